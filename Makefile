@@ -1,0 +1,59 @@
+# Every target sets up what it needs: a virtual environment in .venv with the versions of requirements.lock.
+# Needs: make and Python 3.11, 3.12 or 3.13 (another one by name: `make PYTHON=/path/to/python3.12 setup`).
+
+SHELL := /bin/sh
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.ready
+JOBS ?= 2
+AGENT ?= runs/latest
+EPISODES ?= 200
+SEED ?= 100000
+
+.DEFAULT_GOAL := help
+.PHONY: help setup lock train test lint format bench docs acceptance clean
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: $(STAMP) ## Create .venv and install the locked versions (nothing happens when nothing changed)
+
+$(STAMP): requirements.lock pyproject.toml
+	@set -e; python="$$(sh tools/find_python.sh $(PYTHON))"; \
+	if [ -x $(BIN)/python ] && [ "$$($(BIN)/python -V 2>&1)" = "$$($$python -V 2>&1)" ]; then :; \
+	else echo "creating $(VENV) with $$python"; rm -rf $(VENV); "$$python" -m venv $(VENV); fi
+	$(BIN)/python -m pip install --disable-pip-version-check --progress-bar off -q -r requirements.lock
+	$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e .
+	@touch $@
+
+train: $(STAMP) ## Train the traverse agent, then evaluate it on unseen seeds against the baselines
+	$(BIN)/python train.py --config configs/training/ppo_traverse.yaml
+	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield --episodes $(EPISODES) --seed $(SEED) --out runs/evaluation
+
+test: $(STAMP) ## Run the tests (not the long ones)
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
+
+lint: $(STAMP) ## Check style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict ssmash_gym
+
+format: $(STAMP) ## Put the code into the house format
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(STAMP) ## Measure the engine beside a MuJoCo model of the same helicopter: JSON and a table
+	$(BIN)/python -m benchmarks.run --out build/bench.json
+
+docs: $(STAMP) ## Check the links of every page and build the API reference in build/docs
+	$(BIN)/python tools/check_links.py
+	$(BIN)/pdoc ssmash_gym --docformat google --math -o build/docs
+
+acceptance: $(STAMP) ## Run every check, the long ones too (soak, training, full sweeps)
+	$(BIN)/python -m pytest -q -m "slow or not slow"
+
+lock: ## Write requirements.lock anew: the newest versions that pyproject.toml allows
+	"$$(sh tools/find_python.sh $(PYTHON))" tools/write_lock.py
+
+clean: ## Remove everything that make has made
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

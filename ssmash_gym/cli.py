@@ -1,0 +1,75 @@
+"""`ssmash <verb>`: the table of what the project does from the command line.
+
+Nothing heavy is imported before a verb is chosen, so `ssmash --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One line of the table.
+
+    Args:
+        summary: What the verb does, in one line.
+        function: Where its function is, as ``module:name``; tyro makes its options from the signature.
+    """
+
+    summary: str
+    function: str
+
+
+VERBS = {
+    "train": Verb("Train an agent from one YAML file; resume a run", "ssmash_gym.agents.training:train"),
+    "evaluate": Verb("Compare an agent with the baselines on frozen seeds", "ssmash_gym.agents.evaluation:evaluate"),
+    "simulate": Verb("Run one helicopter on a moving deck and record it", "ssmash_gym.simulate:simulate"),
+    "info": Verb("Show versions, the kernel cache and the catalogue", "ssmash_gym.info:info"),
+}
+
+
+def contents() -> str:
+    """The text of `ssmash --help`."""
+    width = max(map(len, VERBS))
+    lines = [f"  {name:<{width}}  {verb.summary}" for name, verb in VERBS.items()]
+    return "\n".join(["usage: ssmash VERB [options]", "", *lines, "", "`ssmash VERB --help` lists a verb's options."])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one verb.
+
+    Args:
+        arguments: Words after `ssmash`; those of the command line by default.
+
+    Returns:
+        The exit status: 0 done, 1 the user's mistake told in one sentence, 2 no such verb.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if not words or words[0] in ("-h", "--help", "help"):
+        print(contents())
+        return 0
+    name, *rest = words
+    if name not in VERBS:
+        print(f"ssmash has no verb {name!r}; it has {', '.join(VERBS)}.", file=sys.stderr)
+        return 2
+    return _run(name, rest)
+
+
+def _run(name: str, rest: Sequence[str]) -> int:
+    """Import the verb's function and call it with its options; a user's mistake becomes one line."""
+    import tyro
+
+    from ssmash_gym.errors import ConfigurationError
+
+    module, attribute = VERBS[name].function.split(":")
+    try:
+        function = getattr(import_module(module), attribute)
+        tyro.cli(function, prog=f"ssmash {name}", args=rest)
+    except (ConfigurationError, OSError, ImportError) as mistake:
+        print(f"ssmash {name}: {mistake}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,1 @@
+"""How it moves: compiled kernels, one file per force element. Numbers in, numbers out."""

@@ -1,0 +1,347 @@
+"""One control interval of a block of helicopters: linearly implicit Heun substeps, claw, capture, peaks.
+
+Two-stage Rosenbrock-W scheme with gamma = 1 - 1/sqrt(2) and C the diagonal secant slopes of the joint dissipation:
+``a1 = (M(y) + g h C)^-1 f(y)``, ``y* = y + h a1``, ``a2 = (M(y*) + g h C)^-1 (f(y*) + 2 g h C a1)``,
+``y <- y + h/2 (a1 + a2)``. Order 2 for any C, L-stable in what C covers; plain Heun for all other rows.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ssmash_gym.dynamics.claw import advance_claw, place_claw
+from ssmash_gym.dynamics.deck import COEFFICIENTS, deck_kinematics, gather_piece, prescribed_claw
+from ssmash_gym.dynamics.lane import any_lane, fabs, kernel, load, maximum, minimum, splat, sqrt, store, where
+from ssmash_gym.dynamics.layout import (
+    DECK_ROWS,
+    ODE_ROWS,
+    OUTPUT_ROWS,
+    STATE_ROWS,
+    STATIONS,
+    WORK_ROWS,
+    ClawDrive,
+    Deck,
+    Mode,
+    Out,
+    State,
+    STATION_COORDINATES,
+)
+from ssmash_gym.dynamics.probe import capture
+from ssmash_gym.dynamics.system import attitude_outputs, rates
+
+GAMMA = 1.0 - math.sqrt(0.5)
+ABSURD = 1.0e6  # sum of the magnitudes of all integrated rows beyond which a state counts as diverged
+FAR = math.inf
+DECK_CHANNELS = 6
+CLAW_CHANNELS = 3
+
+
+@kernel
+def normalise(y: Any) -> None:
+    """Bring the four sets of Euler parameters back to unit length."""
+    for k in range(STATIONS + 1):
+        row = State.Q11 + (0 if k == 0 else 5 + STATION_COORDINATES * (k - 1))
+        e0 = load(y, row)
+        e1 = load(y, row + 1)
+        e2 = load(y, row + 2)
+        e3 = load(y, row + 3)
+        inverse = 1.0 / sqrt(maximum(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3, 1.0e-30))
+        store(y, row, e0 * inverse)
+        store(y, row + 1, e1 * inverse)
+        store(y, row + 2, e2 * inverse)
+        store(y, row + 3, e3 * inverse)
+
+
+@kernel
+def record_peaks(o: Any, high: Any, low: Any) -> None:
+    """Running extremes of all outputs."""
+    for k in range(OUTPUT_ROWS):
+        value = load(o, k)
+        store(high, k, maximum(load(high, k), value))
+        store(low, k, minimum(load(low, k), value))
+
+
+@kernel
+def accept(y: Any, trial: Any, clock: Any) -> None:
+    """Take the trial state where it is sound; hold the last sound state, and say so, where it is not.
+
+    A NaN fails the comparison, so it can never be accepted.
+    """
+    size = splat(0.0)
+    for k in range(ODE_ROWS):
+        size = size + fabs(load(trial, k))
+    held = load(y, State.DIVERGED) > 0.5
+    sound = size < ABSURD
+    take = sound & ~held
+    broken = ~sound & ~held
+    if any_lane(broken):
+        report(y, trial, broken, clock)
+    for k in range(State.PROBE_LOST + 1):
+        store(y, k, where(take, load(trial, k), load(y, k)))
+
+
+@kernel
+def report(y: Any, trial: Any, broken: Any, clock: Any) -> None:
+    """Note the first row that is not finite or absurd, and when, for the lanes that have just diverged."""
+    code = splat(0.0)
+    for m in range(ODE_ROWS):
+        k = ODE_ROWS - 1 - m
+        sound = fabs(load(trial, k)) < ABSURD / ODE_ROWS
+        code = where(sound, code, k + 1.0)
+    store(y, State.DIVERGED, where(broken, maximum(code, 1.0), load(y, State.DIVERGED)))
+    store(y, State.DIVERGED_CLOCK, where(broken, clock, load(y, State.DIVERGED_CLOCK)))
+
+
+@kernel
+def update_capture(y: Any, p: Any, o: Any) -> None:
+    """Capture and loss of the probe, from the outputs at the start of the substep."""
+    fx = load(o, Out.PROBE_FX)
+    fy = load(o, Out.PROBE_FY)
+    fz = load(o, Out.PROBE_FZ)
+    status = capture(
+        p,
+        load(o, Out.PROBE_DX),
+        load(o, Out.PROBE_DY),
+        load(o, Out.PROBE_REACH),
+        sqrt(fx * fx + fy * fy + fz * fz),
+        load(y, State.PROBE_CAPTURED),
+        load(y, State.PROBE_LOST),
+    )
+    store(y, State.PROBE_CAPTURED, status[0])
+    store(y, State.PROBE_LOST, status[1])
+
+
+@kernel
+def start_second_stage(y: Any, dy: Any, stage: Any, trial: Any, h: float) -> None:
+    """``stage = y + h k1`` and ``trial = y + h/2 k1``; rows outside the integration are carried over."""
+    for k in range(ODE_ROWS):
+        value = load(y, k)
+        rate = load(dy, k)
+        store(stage, k, value + h * rate)
+        store(trial, k, value + (0.5 * h) * rate)
+    for k in range(ODE_ROWS, STATE_ROWS):
+        store(stage, k, load(y, k))
+        store(trial, k, load(y, k))
+
+
+@kernel
+def gather_pieces(
+    nodes: Any, claw_nodes: Any, columns: Any, clock: Any, spn: int, spacing: float, claw: int, c: Any, cc: Any, tau: Any,
+    dt: float,
+) -> None:
+    """Refresh the polynomial pieces of the lanes that have just passed a node, and each lane's time since its node."""
+    for lane in range(columns.shape[0]):
+        since = clock[lane] % spn
+        tau[0, lane] = since * dt
+        tau[1, lane] = clock[lane] * dt
+        tau[2, lane] = float(clock[lane])
+        if since == 0 or tau[3, lane] < 0.0:
+            piece = clock[lane] // spn
+            last = nodes.shape[1] - 2
+            gather_piece(nodes, columns[lane], min(piece, last), DECK_CHANNELS, spacing, c, lane)
+            if claw == ClawDrive.PRESCRIBED:
+                last = claw_nodes.shape[1] - 2
+                gather_piece(claw_nodes, columns[lane], min(piece, last), CLAW_CHANNELS, spacing, cc, lane)
+            tau[3, lane] = 1.0
+
+
+@kernel
+def prescribe(y: Any, p: Any, mode: Any, c: Any, cc: Any, ripple: int, t: Any, time: Any, d: Any) -> None:
+    """Deck and claw at one instant: `t` since the node, `time` since the start of the table."""
+    deck_kinematics(c, t, d)
+    if mode[Mode.CLAW] == ClawDrive.PRESCRIBED:
+        prescribed_claw(cc, t, d)
+    else:
+        place_claw(y, p, ripple, time, d)
+
+
+@kernel
+def advance_block(
+    y: Any, p: Any, commands: Any, mode: Any, nodes: Any, claw_nodes: Any, columns: Any, clock: Any, history: int,
+    substeps: int, dt: float, spn: int, ripple: int, o: Any, high: Any, low: Any, scratch: Any,
+) -> None:
+    """Advance the lanes of one block by `substeps` of `dt` and leave outputs at the end and extremes over the way.
+
+    One loop over all stages (two a substep, and a last first stage for the outputs at the end), so that the
+    right-hand side has one call site. `scratch` is (rows, lanes) and holds everything the block needs.
+    """
+    dy = scratch[0:ODE_ROWS]
+    stage = scratch[ODE_ROWS : ODE_ROWS + STATE_ROWS]
+    trial = scratch[ODE_ROWS + STATE_ROWS : ODE_ROWS + 2 * STATE_ROWS]
+    rest = scratch[ODE_ROWS + 2 * STATE_ROWS :]
+    d = rest[0:DECK_ROWS]
+    w = rest[DECK_ROWS : DECK_ROWS + WORK_ROWS]
+    c = rest[DECK_ROWS + WORK_ROWS : DECK_ROWS + WORK_ROWS + DECK_CHANNELS * COEFFICIENTS]
+    more = rest[DECK_ROWS + WORK_ROWS + DECK_CHANNELS * COEFFICIENTS :]
+    cc = more[0 : CLAW_CHANNELS * COEFFICIENTS]
+    tau = more[CLAW_CHANNELS * COEFFICIENTS : CLAW_CHANNELS * COEFFICIENTS + 4]
+    for lane in range(columns.shape[0]):
+        tau[3, lane] = -1.0
+    for k in range(OUTPUT_ROWS):
+        for lane in range(columns.shape[0]):
+            high[k, lane] = -FAR
+            low[k, lane] = FAR
+    interval = substeps * dt
+    spacing = spn * dt
+    gh = GAMMA * dt
+    for half in range(2 * substeps + 1):
+        second = half % 2
+        if second == 0:
+            x = y
+            gather_pieces(nodes, claw_nodes, columns, clock, spn, spacing, mode[Mode.CLAW], c, cc, tau, dt)
+        else:
+            x = stage
+            start_second_stage(y, dy, stage, trial, dt)
+            advance_claw(y, p, commands, history, (half // 2) * dt, interval, dt, stage)
+        later = second * dt
+        prescribe(x, p, mode, c, cc, ripple, load(tau, 0) + later, load(tau, 1) + later, d)
+        rates(x, p, d, mode, dy, o, w, gh, second)
+        if second == 0:
+            attitude_outputs(x, d, o)
+            record_peaks(o, high, low)
+            if half < 2 * substeps:
+                update_capture(y, p, o)
+        else:
+            finish_step(y, dy, stage, trial, load(tau, 2), dt)
+            for lane in range(columns.shape[0]):
+                clock[lane] += 1
+
+
+@kernel
+def finish_step(y: Any, dy: Any, stage: Any, trial: Any, clock: Any, h: float) -> None:
+    """Complete the substep in `trial`, normalise, and take it where it is sound."""
+    for k in range(ODE_ROWS):
+        store(trial, k, load(trial, k) + (0.5 * h) * load(dy, k))
+    for k in range(State.CLAW_X, State.CLAW_VY + 1):
+        store(trial, k, load(stage, k))
+    normalise(trial)
+    accept(y, trial, clock)
+
+
+SCRATCH_ROWS = (
+    ODE_ROWS + 2 * STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
+)
+
+
+@kernel
+def advance_columns(
+    state: Any, parameters: Any, commands: Any, mode: Any, nodes: Any, claw_nodes: Any, clocks: Any, columns: Any,
+    first: int, last: int, history: int, substeps: int, dt: float, spn: int, ripple: int, outputs: Any, highs: Any,
+    lows: Any, room: Any, lanes: Any,
+) -> None:
+    """Blocks `first` to `last` of the listed columns: gather a block's columns, advance, scatter.
+
+    All tables are (row, helicopter). `room` (`advance_room` rows, width) and `lanes` (2, width) are the caller's
+    workspace. A short last block repeats its last column, whose copy is thrown away.
+    """
+    width = room.shape[1]
+    y, rest = room[0:STATE_ROWS], room[STATE_ROWS:]
+    o, rest = rest[0:OUTPUT_ROWS], rest[OUTPUT_ROWS:]
+    high, rest = rest[0:OUTPUT_ROWS], rest[OUTPUT_ROWS:]
+    low, rest = rest[0:OUTPUT_ROWS], rest[OUTPUT_ROWS:]
+    scratch, rest = rest[0:SCRATCH_ROWS], rest[SCRATCH_ROWS:]
+    p, u = rest[0 : parameters.shape[0]], rest[parameters.shape[0] :]
+    block = lanes[0]
+    clock = lanes[1]
+    for b in range(first, last):
+        live = min(width, columns.shape[0] - b * width)
+        for lane in range(width):
+            block[lane] = columns[b * width + min(lane, live - 1)]
+            clock[lane] = clocks[block[lane]]
+        gather_columns(state, block, y)
+        gather_columns(parameters, block, p)
+        gather_columns(commands, block, u)
+        advance_block(
+            y, p, u, mode, nodes, claw_nodes, block, clock, history, substeps, dt, spn, ripple, o, high, low, scratch
+        )
+        scatter_columns(y, block, live, state)
+        scatter_columns(o, block, live, outputs)
+        scatter_columns(high, block, live, highs)
+        scatter_columns(low, block, live, lows)
+        for lane in range(live):
+            clocks[block[lane]] = clock[lane]
+
+
+def advance_room(parameters: int, commands: int) -> int:
+    """Rows of workspace that `advance_columns` needs for tables of so many rows."""
+    return STATE_ROWS + 3 * OUTPUT_ROWS + SCRATCH_ROWS + parameters + commands
+
+
+@kernel
+def gather_columns(table: Any, block: Any, into: Any) -> None:
+    """Copy the listed columns of a (row, helicopter) table into a block."""
+    for k in range(table.shape[0]):
+        for lane in range(block.shape[0]):
+            into[k, lane] = table[k, block[lane]]
+
+
+@kernel
+def scatter_columns(block_table: Any, block: Any, live: int, table: Any) -> None:
+    """Copy the first `live` columns of a block back."""
+    for k in range(table.shape[0]):
+        for lane in range(live):
+            table[k, block[lane]] = block_table[k, lane]
+
+
+@kernel
+def rates_columns(
+    state: Any, parameters: Any, mode: Any, decks: Any, derivative: Any, outputs: Any, room: Any, lanes: Any
+) -> None:
+    """The plain right-hand side of every column for given `Deck` rows: references, settling, the oracle.
+
+    `room` (`rates_room` rows, width) and `lanes` (2, width) are the caller's workspace.
+    """
+    width = room.shape[1]
+    y, rest = room[0:STATE_ROWS], room[STATE_ROWS:]
+    d, rest = rest[0:DECK_ROWS], rest[DECK_ROWS:]
+    dy, rest = rest[0:ODE_ROWS], rest[ODE_ROWS:]
+    o, rest = rest[0:OUTPUT_ROWS], rest[OUTPUT_ROWS:]
+    w, p = rest[0:WORK_ROWS], rest[WORK_ROWS:]
+    block = lanes[0]
+    n = state.shape[1]
+    for b in range((n + width - 1) // width):
+        live = min(width, n - b * width)
+        for lane in range(width):
+            block[lane] = b * width + min(lane, live - 1)
+        gather_columns(state, block, y)
+        gather_columns(parameters, block, p)
+        gather_columns(decks, block, d)
+        rates(y, p, d, mode, dy, o, w, 0.0, 0)
+        attitude_outputs(y, d, o)
+        scatter_columns(dy, block, live, derivative)
+        scatter_columns(o, block, live, outputs)
+
+
+def rates_room(parameters: int) -> int:
+    """Rows of workspace that `rates_columns` needs."""
+    return STATE_ROWS + DECK_ROWS + ODE_ROWS + OUTPUT_ROWS + WORK_ROWS + parameters
+
+
+@kernel
+def deck_columns(nodes: Any, piece: int, tau: float, spacing: float, decks: Any, room: Any, lanes: Any) -> None:
+    """`Deck` rows (claw left alone) of every column at `tau` seconds after node `piece`.
+
+    `room` is (DECK_ROOM, width), `lanes` (2, width).
+    """
+    width = room.shape[1]
+    c, rest = room[0 : DECK_CHANNELS * COEFFICIENTS], room[DECK_CHANNELS * COEFFICIENTS :]
+    d, t = rest[0:DECK_ROWS], rest[DECK_ROWS:]
+    block = lanes[0]
+    n = decks.shape[1]
+    for b in range((n + width - 1) // width):
+        live = min(width, n - b * width)
+        for lane in range(width):
+            block[lane] = b * width + min(lane, live - 1)
+            gather_piece(nodes, block[lane], piece, DECK_CHANNELS, spacing, c, lane)
+            t[0, lane] = tau
+        deck_kinematics(c, load(t, 0), d)
+        for k in range(DECK_ROWS):
+            if k < CLAW_FIRST or k > CLAW_LAST:
+                for lane in range(live):
+                    decks[k, block[lane]] = d[k, lane]
+
+
+DECK_ROOM = DECK_CHANNELS * COEFFICIENTS + DECK_ROWS + 1
+CLAW_FIRST = int(Deck.C_CLAW_S)
+CLAW_LAST = int(Deck.V_CLAW_S) + 2

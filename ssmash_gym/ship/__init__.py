@@ -1,0 +1,59 @@
+"""What the deck does: motion sources and the node table that the dynamics read.
+
+Every source of `MotionConfig` (and every further one) realises a `Motion`, and every `Motion` bakes a `MotionTable`.
+"""
+
+from __future__ import annotations
+
+from ssmash_gym.ship.config import MotionConfig, parse_motion
+from ssmash_gym.ship.harmonics import Component, Harmonics
+from ssmash_gym.ship.motion import (
+    CHANNELS,
+    DEFAULT_SPACING_S,
+    DeckPose,
+    Motion,
+    MotionSource,
+    MotionTable,
+    Signal,
+    pose_of,
+    smootherstep,
+)
+from ssmash_gym.ship.recorded import Discrepancy, RecordedMotion
+from ssmash_gym.ship.shipmo import ShipmoRecord, read_shipmo, write_shipmo
+from ssmash_gym.ship.sources import (
+    DOFS,
+    Fixed,
+    Irregular,
+    IrregularRotation,
+    IrregularTranslation,
+    MotionFile,
+    Sinusoid,
+)
+
+__all__ = [
+    "CHANNELS",
+    "DEFAULT_SPACING_S",
+    "DOFS",
+    "Component",
+    "DeckPose",
+    "Discrepancy",
+    "Fixed",
+    "Harmonics",
+    "Irregular",
+    "IrregularRotation",
+    "IrregularTranslation",
+    "Motion",
+    "MotionConfig",
+    "MotionFile",
+    "MotionSource",
+    "MotionTable",
+    "RecordedMotion",
+    "ShipmoRecord",
+    "Signal",
+    "Sinusoid",
+    "parse_motion",
+    "pose_of",
+    "read_shipmo",
+    "smootherstep",
+    "write_shipmo",
+]

@@ -1,0 +1,170 @@
+"""A recorded deck motion made smooth: positions, rates and accelerations that are each other's derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
+
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship.kinematics import (
+    EulerOrder,
+    FloatArray,
+    angles_from_rotation,
+    angular_acceleration,
+    angular_velocity,
+    rotation,
+)
+from ssmash_gym.ship.motion import Motion, Signal
+from ssmash_gym.ship.shipmo import COLUMNS, Rates, ShipmoRecord
+
+DEGREE: Final = 5  # of the spline through the samples: accelerations are smooth, not a chain of straight lines
+MARGIN: Final = 3  # samples at each end left out of the comparison: a spline's derivatives are weakest there
+NOTICEABLE: Final = 0.02  # share of a column's own size from which a discrepancy is worth a warning
+_OTHER: Final[dict[Rates, Rates]] = {"body": "euler", "euler": "body"}
+NEGLIGIBLE: Final = 1e-6  # rad/s, rad/s2, m/s2: a column smaller than this is zero
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """How far a column of the file is from the derivative of what the file says elsewhere.
+
+    Attributes:
+        name: The column.
+        unit: Its unit, SI.
+        rms: Root mean square of the difference.
+        scale: Root mean square of the larger of the two.
+    """
+
+    name: str
+    unit: str
+    rms: float
+    scale: float
+
+    @property
+    def share(self) -> float:
+        """`rms` over `scale`; zero for a column that is zero."""
+        return self.rms / self.scale if self.scale > NEGLIGIBLE else 0.0
+
+
+class RecordedMotion(Motion):
+    """Deck motion through the samples of a SHIPMO record.
+
+    Angles are interpolated by a spline of degree 5 (C4), velocities likewise, and positions are the integral of the
+    velocities from zero at the first row. All rates and accelerations are derivatives of these; the file's own
+    columns 8-16 are compared with them (`discrepancies`, `report`) and otherwise not used. Time 0 is the first row.
+
+    Args:
+        record: The file's columns.
+        rates: What columns 8-10 and 14-16 hold.
+        order: Sequence of the file's angles; they are turned into the z-y-x sequence.
+        detrend: Remove the straight line (least squares) from each position, and its slope from the velocity: the
+            mean ship speed and the drift of integrated noise. Otherwise nothing is removed.
+
+    Attributes:
+        discrepancies: One entry for each of the columns 8-16.
+    """
+
+    def __init__(
+        self, record: ShipmoRecord, rates: Rates = "body", order: EulerOrder = "zyx", *, detrend: bool = False
+    ):
+        n = len(record.angles)
+        time = record.step_s * np.arange(n)
+        given = np.unwrap(record.angles, axis=0)
+        angles = given if order == "zyx" else np.unwrap(angles_from_rotation(rotation(given, order)), axis=0)
+        self.name = record.name
+        self._duration = float(time[-1])
+        self._step = record.step_s
+        self._angles = make_interp_spline(time, angles, k=DEGREE)
+        self._velocity = make_interp_spline(time, record.velocity, k=DEGREE)
+        self._position = self._velocity.antiderivative()
+        line = np.polynomial.polynomial.polyfit(time, self._position(time), 1)  # (2, 3): offset, slope
+        self._removed = line if detrend else np.zeros_like(line)
+        self._mean = np.concatenate([line[0] - self._removed[0], np.mean(angles, axis=0)])
+        self._drift = np.concatenate([line[1] - self._removed[1], np.zeros(3)])
+        self._rates = rates
+        in_order = make_interp_spline(time, given, k=DEGREE)
+        euler = (np.asarray(in_order(time, 1)), np.asarray(in_order(time, 2)))
+        self.discrepancies = _compare(record, _expected(self.signal(time), rates, euler))
+        other = _compare(record, _expected(self.signal(time), _OTHER[rates], euler))
+        self._other_fits = _worst(other[:3]) < 0.5 * _worst(self.discrepancies[:3])
+
+    @property
+    def mean(self) -> FloatArray:
+        """Mean pose (6,) [m, rad]: mean angles, and the positions' straight line at t = 0."""
+        return self._mean
+
+    @property
+    def drift(self) -> FloatArray:
+        """Slope of the positions' straight line (6,) [m/s]: the mean speed of the record."""
+        return self._drift
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first row to the last [s]."""
+        return self._duration
+
+    def signal(self, t: npt.ArrayLike) -> Signal:
+        """Six channels and their exact derivatives at times `t` [s] within the record, (n,): three arrays (n, 6)."""
+        time = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        slack = 1e-6 * self._step
+        outside = ~((time >= -slack) & (time <= self._duration + slack))
+        if outside.any():
+            raise ConfigurationError(
+                f"motion file {self.name}: time {float(time[outside][0]):g} s was asked for, allowed is 0 to "
+                f"{self._duration:g} s, the length of the record"
+            )
+        offset, slope = self._removed
+        position = self._position(time) - offset - np.outer(time, slope)
+        return Signal(
+            np.concatenate([position, self._angles(time)], axis=1),
+            np.concatenate([self._velocity(time) - slope, self._angles(time, 1)], axis=1),
+            np.concatenate([self._velocity(time, 1), self._angles(time, 2)], axis=1),
+        )
+
+    @property
+    def consistent(self) -> bool:
+        """Whether every column agrees with the derivatives within a few percent of its size."""
+        return _worst(self.discrepancies) <= NOTICEABLE
+
+    def report(self) -> str:
+        """The comparison as text: a line for each of the columns 8-16, and a hint where `rates` looks wrong."""
+        lines = [
+            f"motion file {self.name}: columns against the derivatives of angles and velocities (rates: {self._rates})"
+        ]
+        lines += [
+            f"  {d.name}: RMS difference {d.rms:.3g} of {d.scale:.3g} {d.unit} ({100.0 * d.share:.1f} %)"
+            for d in self.discrepancies
+        ]
+        if self._other_fits and not self.consistent:
+            lines.append(f"  columns 8-10 agree better with rates: {_OTHER[self._rates]}")
+        return "\n".join(lines)
+
+
+def _expected(signal: Signal, rates: Rates, euler: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """What columns 8-16 should hold (n, 9), SI; `euler` are the derivatives of the angles in the file's sequence."""
+    q, qd, qdd = (part[:, 3:] for part in signal)
+    if rates == "body":
+        turn, turn_rate = angular_velocity(q, qd), angular_acceleration(q, qd, qdd)
+    else:
+        turn, turn_rate = euler
+    return np.concatenate([turn, signal.acceleration[:, :3], turn_rate], axis=1)
+
+
+def _compare(record: ShipmoRecord, expected: FloatArray) -> tuple[Discrepancy, ...]:
+    """One entry for each of the columns 8-16, the first and last few rows left out."""
+    found = np.concatenate([record.rates, record.acceleration, record.rate_derivatives], axis=1)
+    inner = slice(MARGIN, -MARGIN) if len(found) > 4 * MARGIN else slice(None)
+    size = np.sqrt(np.mean(np.stack([found[inner], expected[inner]]) ** 2, axis=1)).max(axis=0)
+    rms = np.sqrt(np.mean((found[inner] - expected[inner]) ** 2, axis=0))
+    units = ("rad/s", "m/s2", "rad/s2")
+    return tuple(
+        Discrepancy(COLUMNS[7 + k][1].split(" [")[0], units[k // 3], float(rms[k]), float(size[k])) for k in range(9)
+    )
+
+
+def _worst(discrepancies: tuple[Discrepancy, ...]) -> float:
+    return max(d.share for d in discrepancies)

@@ -1,0 +1,362 @@
+"""A batch of helicopters in time: place, settle, advance, read; save, restore and fork, bit for bit.
+
+The single helicopter is the batch of one; there is no second implementation of the physics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ssmash_gym.dynamics import engine
+from ssmash_gym.dynamics.layout import (
+    OUTPUT_ROWS,
+    PARAMETER_ROWS,
+    STATE_ROWS,
+    ClawDrive,
+    Deck,
+    Mode,
+    Out,
+    Par,
+    State,
+)
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.simulation import settle as settling
+from ssmash_gym.simulation.claw import ClawLimits
+from ssmash_gym.simulation.parameters import Modes, droop_state, mode_vector, parameter_column
+from ssmash_gym.simulation.telemetry import Telemetry
+
+if TYPE_CHECKING:
+    from ssmash_gym.ship import MotionTable
+    from ssmash_gym.vehicle import Helicopter
+
+Array = NDArray[np.float64]
+Columns = NDArray[np.int64]
+DECK_COLUMNS = 18
+NODE_SPACING_S = 0.25  # C2 quintic pieces: below 2e-5 of the acceleration's deviation in a seaway
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Substep, control interval and node spacing [s]; the latter two are whole numbers of substeps.
+
+    Raises:
+        ConfigurationError: the control interval is no whole number of substeps.
+    """
+
+    substep_s: float = 0.002
+    control_interval_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        """Check that the interval is a whole number of substeps."""
+        if not 0.0 < self.substep_s <= 0.02:
+            raise ConfigurationError(f"substep_s = {self.substep_s}: must be above 0 and at most 0.02 s")
+        ratio = self.control_interval_s / self.substep_s
+        if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6 * ratio:
+            raise ConfigurationError(
+                f"control_interval_s = {self.control_interval_s}: must be a whole number of "
+                f"substeps of {self.substep_s} s"
+            )
+
+    @property
+    def substeps(self) -> int:
+        """Substeps in a control interval."""
+        return round(self.control_interval_s / self.substep_s)
+
+    @property
+    def substeps_per_node(self) -> int:
+        """Substeps between two nodes of a deck-motion table."""
+        return max(1, round(NODE_SPACING_S / self.substep_s))
+
+    @property
+    def node_spacing_s(self) -> float:
+        """Time between two nodes of a deck-motion table [s]: what `MotionSource.bake` must be given."""
+        return self.substeps_per_node * self.substep_s
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Copy of everything a batch is at one instant; immutable by convention, taken by `Batch.snapshot`."""
+
+    arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+
+
+class Batch:
+    """N helicopters of one layout, each with its own parameters, deck motion and clock.
+
+    Args:
+        helicopters: one description, or one for each column (all of the same layout: station kinds, springs, tires).
+        count: number of columns when one description is given.
+        timing: substep and control interval.
+        modes: choices of model (tire contact point, friction limit, probe law).
+        claw: limits of the claw drive, the same for all columns; edit `parameters` to randomise.
+        threads: workers for a call; results do not depend on it.
+        longest_delay_s: longest command delay that any column will have.
+
+    Attributes:
+        state: (STATE_ROWS, N), rows `layout.State`; parameters: (PARAMETER_ROWS, N), rows `layout.Par`.
+
+    Raises:
+        ConfigurationError: the descriptions differ in layout.
+    """
+
+    _SAVED = ("state", "parameters", "_commands", "clocks", "_nodes", "_ends", "_claw_nodes", "_outputs", "_highs",
+              "_lows", "_mode")  # fmt: skip
+
+    def __init__(
+        self,
+        helicopters: Helicopter | Sequence[Helicopter],
+        count: int | None = None,
+        *,
+        timing: Timing | None = None,
+        modes: Modes | None = None,
+        claw: ClawLimits | None = None,
+        threads: int = 1,
+        longest_delay_s: float = 0.2,
+    ) -> None:
+        fleet = list(helicopters) if isinstance(helicopters, Sequence) else [helicopters] * (count or 1)
+        self.helicopters = fleet
+        self.timing = timing or Timing()
+        self.modes = modes or Modes()
+        self.claw = claw or ClawLimits()
+        self.threads = threads
+        self.n = len(fleet)
+        self._mode = common_mode(fleet, self.modes)
+        self.state: Array = np.zeros((STATE_ROWS, self.n))
+        self.parameters: Array = np.zeros((PARAMETER_ROWS, self.n))
+        history = int(np.ceil(longest_delay_s / self.timing.control_interval_s - 1e-9)) + 1
+        self.longest_delay_s = longest_delay_s
+        self._commands: Array = np.zeros((2 * history, self.n))
+        self.clocks: Columns = np.zeros(self.n, np.int64)
+        self._nodes: Array = np.zeros((self.n, 2, DECK_COLUMNS))
+        self._ends: Columns = np.full(self.n, np.iinfo(np.int64).max)  # last substep each table covers
+        self._claw_nodes: Array = np.zeros((self.n, 2, 9))
+        self._outputs: Array = np.zeros((OUTPUT_ROWS, self.n))
+        self._highs: Array = np.zeros((OUTPUT_ROWS, self.n))
+        self._lows: Array = np.zeros((OUTPUT_ROWS, self.n))
+        self.describe(fleet)
+
+    # --- what the columns are ------------------------------------------------------------------------------
+
+    def describe(self, helicopters: Sequence[Helicopter], columns: ArrayLike | None = None) -> None:
+        """Fill the parameters of the listed columns from descriptions and put them at full droop, claw at rest.
+
+        Raises:
+            ConfigurationError: a description has another layout than the batch.
+        """
+        chosen = self.columns(columns)
+        if np.any(common_mode(list(helicopters), self.modes)[: Mode.CLAW] != self._mode[: Mode.CLAW]):
+            raise ConfigurationError("a helicopter has another layout (stations, springs, tires) than its batch")
+        for k, helicopter in zip(chosen, helicopters, strict=True):
+            self.helicopters[k] = helicopter
+            self.parameters[:, k] = parameter_column(helicopter)
+            self.claw.fill(self.parameters[:, k], self.timing.substep_s)
+            self.state[:, k] = droop_state(helicopter)
+        self.clocks[chosen] = 0
+        self._commands[:, chosen] = 0.0
+
+    def columns(self, columns: ArrayLike | None) -> Columns:
+        """The listed columns as an index array; None means all."""
+        return np.arange(self.n) if columns is None else np.atleast_1d(np.asarray(columns, dtype=np.int64))
+
+    @property
+    def time_s(self) -> Array:
+        """Time since the start of each column's deck-motion table [s], (N,)."""
+        return self.clocks * self.timing.substep_s
+
+    @property
+    def nodes(self) -> Array:
+        """Deck-motion nodes, (N, nodes, 18)."""
+        return self._nodes
+
+    @property
+    def mode(self) -> Columns:
+        """The integers that say what kind of helicopter and model this batch holds, (MODES,)."""
+        return self._mode
+
+    def set_motion(self, tables: Sequence[MotionTable], columns: ArrayLike | None = None) -> None:
+        """Give each listed column its deck motion and set its clock to the table's start.
+
+        Raises:
+            ConfigurationError: a table's node spacing is not the batch's (`Timing.node_spacing_s`).
+        """
+        chosen = self.columns(columns)
+        spacing = self.timing.node_spacing_s
+        longest = max(table.nodes.shape[0] for table in tables)
+        if longest > self._nodes.shape[1]:
+            more = np.zeros((self.n, longest - self._nodes.shape[1], DECK_COLUMNS))
+            more[:, :, :6] = self._nodes[:, -1:, :6]
+            self._nodes = np.concatenate([self._nodes, more], axis=1)
+        for k, table in zip(chosen, tables, strict=True):
+            if abs(table.spacing_s - spacing) > 1e-9:
+                raise ConfigurationError(f"deck-motion table: node spacing {table.spacing_s} s, must be {spacing} s")
+            count = table.nodes.shape[0]
+            self._nodes[k, :count] = table.nodes
+            self._nodes[k, count:] = 0.0
+            self._nodes[k, count:, :6] = table.nodes[-1, :6]
+            still = not np.any(table.nodes[:, 6:]) and np.all(table.nodes[:, :6] == table.nodes[0, :6])
+            self._ends[k] = np.iinfo(np.int64).max if still else (count - 1) * self.timing.substeps_per_node
+        self.clocks[chosen] = 0
+
+    def prescribe_claw(self, nodes: ArrayLike) -> None:
+        """Replace the commanded claw by a prescribed history for the whole batch.
+
+        Args:
+            nodes: (N, nodes, 9): x, y, z of the claw centre in S [m], their rates and accelerations, at the node
+                spacing of the batch from the start of the deck-motion table; the last node is held.
+        """
+        table = np.array(nodes, dtype=np.float64)
+        if table.ndim != 3 or table.shape[0] != self.n or table.shape[1] < 2 or table.shape[2] != 9:
+            raise ConfigurationError(f"claw nodes: shape {table.shape}, must be ({self.n}, at least 2, 9)")
+        held = table[:, -1:, :].copy()
+        held[:, :, 3:] = 0.0
+        self._claw_nodes = np.concatenate([table, held, held], axis=1)
+        self._mode[Mode.CLAW] = ClawDrive.PRESCRIBED
+
+    # --- where they are ------------------------------------------------------------------------------------
+
+    def place(self, x: ArrayLike, y: ArrayLike, yaw: ArrayLike, columns: ArrayLike | None = None) -> Array:
+        """Settle the listed columns on the deck as it stands, probe point over (x, y), and bring the claw there.
+
+        Args:
+            x, y: position of the probe point in S [m]; yaw: heading relative to the track [rad]; scalars or (n,).
+
+        Returns:
+            Largest remaining acceleration of each column [m/s2 or rad/s2], (n,); see `settle`.
+        """
+        chosen = self.columns(columns)
+        for k, helicopter in enumerate(self.helicopters):
+            if k in chosen:
+                self.state[:, k] = droop_state(helicopter)
+        half = 0.5 * np.broadcast_to(np.asarray(yaw, dtype=np.float64), chosen.shape)
+        self.state[State.Q11, chosen] = np.cos(half)
+        self.state[State.Q14, chosen] = np.sin(half)
+        return settling.place(self, chosen, np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+
+    def settle(self, columns: ArrayLike | None = None) -> Array:
+        """Bring the listed columns to rest on the deck as it stands now; see `ssmash_gym.simulation.settle`.
+
+        Returns:
+            Largest remaining acceleration of each column, (n,): large where no equilibrium exists (a helicopter
+            free to roll down a sloping deck).
+        """
+        return settling.settle(self, self.columns(columns))
+
+    def evaluate(self, columns: ArrayLike | None = None) -> Telemetry:
+        """Read the outputs of the state as it stands, without advancing; extremes are the instant's values."""
+        chosen = self.columns(columns)
+        decks = self.deck_rows(chosen)
+        _, outputs = engine.derivative(self.state[:, chosen], self.parameters[:, chosen], self._mode, decks)
+        for table in (self._outputs, self._highs, self._lows):
+            table[:, chosen] = outputs
+        return self.telemetry
+
+    def deck_rows(self, columns: Columns) -> Array:
+        """`layout.Deck` rows of the listed columns at their present time, (DECK_ROWS, n)."""
+        spacing = self.timing.node_spacing_s
+        decks = np.zeros((len(engine.deck_rows(self._nodes[:1], 0.0, spacing)), columns.size))
+        for time in np.unique(self.clocks[columns]):
+            same = np.flatnonzero(self.clocks[columns] == time)
+            decks[:, same] = engine.deck_rows(self._nodes[columns[same]], time * self.timing.substep_s, spacing)
+        decks[Deck.C_CLAW_S] = self.state[State.CLAW_X, columns]
+        decks[Deck.C_CLAW_S + 1] = self.state[State.CLAW_Y, columns]
+        decks[Deck.C_CLAW_S + 2] = self.parameters[Par.CLAW_Z, columns]
+        decks[Deck.V_CLAW_S] = self.state[State.CLAW_VX, columns]
+        decks[Deck.V_CLAW_S + 1] = self.state[State.CLAW_VY, columns]
+        return decks
+
+    # --- time ------------------------------------------------------------------------------------------------
+
+    def advance(
+        self, command: ArrayLike | None = None, columns: ArrayLike | None = None, *, intervals: int = 1
+    ) -> Telemetry:
+        """Advance the listed columns by one control interval (or `intervals` of them) under one claw command.
+
+        Args:
+            command: (n, 2) normalised claw velocity, along and across the track; None holds the claw. Values
+                beyond +-1 are the caller's fault.
+            intervals: whole control intervals to run under the same command; extremes cover all of them.
+
+        Returns:
+            The telemetry of the whole batch; only the listed columns have changed.
+
+        Raises:
+            ValueError: a command is not finite or beyond +-1, or a deck-motion table ends before the interval does.
+        """
+        chosen = self.columns(columns)
+        values = np.zeros((chosen.size, 2)) if command is None else np.asarray(command, dtype=np.float64)
+        if values.shape != (chosen.size, 2) or not np.all(np.abs(values) <= 1.0):
+            raise ValueError(f"claw command: must be ({chosen.size}, 2) numbers within -1 to 1, got {values!r}")
+        substeps = self.timing.substeps * intervals
+        late = self.clocks[chosen] + substeps > self._ends[chosen]
+        if np.any(late):
+            k = int(chosen[np.argmax(late)])
+            end = self._ends[k] * self.timing.substep_s
+            raise ValueError(f"the deck motion of helicopter {k} ends at {end:g} s; bake a longer table")
+        self._commands[2:, chosen] = self._commands[:-2, chosen]
+        self._commands[:2, chosen] = values.T
+        if intervals > 1:  # one call: the delay line must hold this command only
+            self._commands[:, chosen] = np.tile(values.T, (self._commands.shape[0] // 2, 1))
+        engine.advance(
+            self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
+            chosen, substeps, self.timing.substep_s, self.timing.substeps_per_node, self._outputs, self._highs,
+            self._lows, self.threads,
+        )  # fmt: skip
+        return self.telemetry
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """Views of the batch's tables; reading a channel copies it."""
+        return Telemetry(self.state, self._outputs, self._highs, self._lows)
+
+    @property
+    def diverged(self) -> NDArray[np.bool_]:
+        """Columns whose state was held because the next one was not finite or absurd, (N,)."""
+        return np.asarray(self.state[State.DIVERGED] > 0.5)
+
+    # --- copies ------------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """Copy of the complete state."""
+        return Snapshot({name: getattr(self, name).copy() for name in self._SAVED})
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Return to a snapshot of this batch (or of one of the same size and layout), bit for bit."""
+        for name, array in snapshot.arrays.items():
+            setattr(self, name, array.copy())
+
+    def fork(self, k: int) -> Batch:
+        """A new batch with every column repeated `k` times (column i becomes i k ... i k + k - 1), same state."""
+        copies = np.repeat(np.arange(self.n), k)
+        other = Batch(
+            [self.helicopters[i] for i in copies], timing=self.timing, modes=self.modes, claw=self.claw,
+            threads=self.threads, longest_delay_s=self.longest_delay_s,
+        )  # fmt: skip
+        along_first = {"clocks", "_nodes", "_ends", "_claw_nodes"}
+        for name in self._SAVED:
+            array = getattr(self, name)
+            if name == "_mode":
+                setattr(other, name, array.copy())
+            else:
+                setattr(other, name, array[copies].copy() if name in along_first else array[:, copies].copy())
+        return other
+
+
+def common_mode(helicopters: Sequence[Helicopter], modes: Modes) -> Columns:
+    """The mode vector shared by all descriptions.
+
+    Raises:
+        ConfigurationError: they differ (one batch has one layout).
+    """
+    vectors = [mode_vector(h, modes) for h in dict.fromkeys(helicopters)]
+    if any(np.any(v != vectors[0]) for v in vectors):
+        names = ", ".join(sorted({h.name for h in helicopters}))
+        raise ConfigurationError(f"helicopters of one batch must have one layout (stations, springs, tires): {names}")
+    return np.asarray(vectors[0])
+
+
+__all__ = ["Batch", "ClawLimits", "Modes", "Out", "Snapshot", "Timing"]

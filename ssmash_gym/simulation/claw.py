@@ -1,0 +1,59 @@
+"""What the securing device's drive can do: speeds, acceleration, travel, delay, ripple."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from ssmash_gym.dynamics.layout import Par
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class ClawLimits(BaseModel):
+    """Limits of the claw drive in ship axes; no operational source is public, so every default is assumed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    speed_along_m_s: Positive = Field(0.3, description="speed along the track for a command of 1 [m/s]")
+    speed_across_m_s: Positive = Field(0.1, description="speed across the track for a command of 1 [m/s]")
+    acceleration_m_s2: Positive = Field(0.3, description="acceleration limit on both axes [m/s2]")
+    x_min_m: float = Field(-0.5, description="travel limit aft of the landing position [m]")
+    x_max_m: float = Field(8.5, description="travel limit towards the hangar [m]")
+    y_travel_m: Positive = Field(0.3, description="lateral travel to either side of the centre line [m]")
+    height_m: NonNegative = Field(0.0, description="height of the claw plane above the deck [m]")
+    delay_s: NonNegative = Field(0.1, description="delay from command to drive [s]")
+    ripple_along_m: NonNegative = Field(0.0, description="amplitude of the drive's ripple along the track [m]")
+    ripple_across_m: NonNegative = Field(0.0, description="amplitude of the ripple across the track [m]")
+    ripple_hz: Positive = Field(1.0, description="frequency of the ripple [Hz] (about 1 Hz in the thesis' records)")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.x_min_m >= self.x_max_m:
+            raise ValueError(f"x_min_m = {self.x_min_m} must be below x_max_m = {self.x_max_m}")
+        return self
+
+    def fill(self, column: NDArray[np.float64], substep_s: float) -> None:
+        """Write the limits into a parameter column; the delay is rounded to whole substeps."""
+        rows = {
+            Par.CLAW_Z: -self.height_m,
+            Par.CLAW_SPEED_X: self.speed_along_m_s,
+            Par.CLAW_SPEED_Y: self.speed_across_m_s,
+            Par.CLAW_ACCEL_X: self.acceleration_m_s2,
+            Par.CLAW_ACCEL_Y: self.acceleration_m_s2,
+            Par.CLAW_X_MIN: self.x_min_m,
+            Par.CLAW_X_MAX: self.x_max_m,
+            Par.CLAW_Y_MIN: -self.y_travel_m,
+            Par.CLAW_Y_MAX: self.y_travel_m,
+            Par.CLAW_DELAY: round(self.delay_s / substep_s) * substep_s,
+            Par.RIPPLE_X: self.ripple_along_m,
+            Par.RIPPLE_Y: self.ripple_across_m,
+            Par.RIPPLE_OMEGA: 2.0 * np.pi * self.ripple_hz,
+            Par.RIPPLE_PHASE: 0.0,
+        }
+        for row, value in rows.items():
+            column[row] = value

@@ -1,0 +1,215 @@
+"""Equilibrium on the deck as it stands: found, not guessed.
+
+1. The helicopter is lowered until its wheels touch and relaxes with x, y, yaw and the steer angles held.
+2. Newton's method on height, roll, pitch and the three strokes makes that rest exact.
+3. On a sloping deck, or with a deflected probe, it then relaxes freely, so that tires and probe take the rest up.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ssmash_gym.dynamics import engine
+from ssmash_gym.dynamics.layout import (
+    SPEEDS,
+    STATION_COORDINATES,
+    STATION_OUT,
+    STATION_OUT_ROWS,
+    STATIONS,
+    ClawDrive,
+    Mode,
+    Out,
+    Par,
+    StaOut,
+    State,
+    StationKind,
+)
+
+if TYPE_CHECKING:
+    from ssmash_gym.simulation.batch import Batch
+
+Array = NDArray[np.float64]
+Columns = NDArray[np.int64]
+_HELD = (0, 1, 5, 7, 9, 11)  # u7, u8, u12 and the steer rates: what stays put while the helicopter is lowered
+_RESIDUAL = np.array([2, 3, 4, 6, 8, 10])  # u9', u10', u11' and the three strokes
+_RELAX_S = 0.02  # between two removals of kinetic energy
+_KEEP = 0.5  # share of the speeds kept at each
+
+
+def settle(batch: Batch, columns: Columns) -> Array:
+    """Bring the columns to rest; returns the largest remaining acceleration of each, (n,)."""
+    lower(batch, columns)
+    locks = batch.parameters[Par.LOCK : Par.LOCK + SPEEDS, columns].copy()
+    for k in _HELD:
+        batch.parameters[Par.LOCK + k, columns] = 1.0
+    try:
+        relax(batch, columns, seconds=1.6)
+        newton(batch, columns)
+    finally:
+        batch.parameters[Par.LOCK : Par.LOCK + SPEEDS, columns] = locks
+    uneasy = columns[remaining(batch, columns) > 1e-3]
+    if uneasy.size:
+        relax(batch, uneasy, seconds=6.0)
+    return remaining(batch, columns)
+
+
+def place(batch: Batch, columns: Columns, x: Array, y: Array) -> Array:
+    """Settle with the probe let go, move the probe point over (x, y), bring the claw to it, let it hold again."""
+    captured = batch.state[State.PROBE_CAPTURED, columns].copy()
+    batch.state[State.PROBE_CAPTURED, columns] = 0.0
+    left = settle(batch, columns)
+    outputs = batch.evaluate(columns).outputs
+    batch.state[State.Q8, columns] += x - outputs[Out.PROBE_X, columns]
+    batch.state[State.Q9, columns] += y - outputs[Out.PROBE_Y, columns]
+    batch.state[State.CLAW_X, columns] = x
+    batch.state[State.CLAW_Y, columns] = y
+    batch.state[State.CLAW_VX : State.CLAW_VY + 1, columns] = 0.0
+    batch.state[State.PROBE_CAPTURED, columns] = captured
+    batch.evaluate(columns)
+    return left
+
+
+def lower(batch: Batch, columns: Columns) -> None:
+    """Height at which the lowest wheel is about to touch, speeds and tire deflections zero."""
+    batch.state[: State.Q8, columns] = 0.0
+    batch.state[State.TIRE : State.CLAW_X, columns] = 0.0
+    tires = ground_clearance(batch, columns)
+    batch.state[State.Q10, columns] += tires - 0.005
+
+
+def ground_clearance(batch: Batch, columns: Columns) -> Array:
+    """Height of the lowest tire above the deck plane for the present attitude [m], (n,)."""
+    from ssmash_gym.dynamics.layout import STATION_ROWS, TIRE_PAR, TIRE_ROWS, Sta, Tir
+    from ssmash_gym.dynamics.vectors import apply, rotation
+
+    state, p = batch.state[:, columns], batch.parameters[:, columns]
+    R_SH = plain(rotation)(*state[State.Q11 : State.Q11 + 4])
+    lowest = np.full(columns.size, -np.inf)
+    for i in range(STATIONS):
+        row, base = State.Q15 + STATION_COORDINATES * i, Par.STATION + i * STATION_ROWS
+        R_HO = plain(rotation)(*state[row + 1 : row + 5])
+        for k in range(batch.mode[Mode.TIRES + i]):
+            tire = TIRE_PAR + (2 * i + k) * TIRE_ROWS
+            r_OT_O = (
+                p[base + Sta.DROOP] + p[tire + Tir.X],
+                p[base + Sta.DROOP + 1] + p[tire + Tir.Y],
+                state[row] + p[tire + Tir.Z],
+            )
+            r_OT_H = plain(apply)(R_HO, r_OT_O)
+            r_HT_H = tuple(p[base + Sta.MOUNT + a] + r_OT_H[a] for a in range(3))
+            depth = plain(apply)(R_SH, r_HT_H)[2] + 0.5 * p[tire + Tir.DIAMETER]
+            lowest = np.maximum(lowest, state[State.Q10] + depth)
+    return np.asarray(-lowest)
+
+
+def plain(kernel: object) -> object:
+    """The kernel's uncompiled twin, for use on NumPy arrays."""
+    from ssmash_gym.dynamics.lane import uncompiled
+
+    return uncompiled(kernel)
+
+
+def relax(batch: Batch, columns: Columns, seconds: float) -> None:
+    """Run on a still deck, taking kinetic energy out every 20 ms, claw held."""
+    still = np.zeros((batch.n, 2, batch.nodes.shape[2]))
+    decks = batch.deck_rows(columns)
+    still[columns, :, 3:6] = deck_angles(decks).T[:, None, :]
+    mode = batch.mode.copy()
+    mode[Mode.CLAW] = ClawDrive.COMMANDED
+    clocks = np.zeros(batch.n, np.int64)
+    dt = batch.timing.substep_s
+    substeps = max(1, round(_RELAX_S / dt))
+    outputs, highs, lows = (np.zeros((batch.telemetry.outputs.shape[0], batch.n)) for _ in range(3))
+    commands = np.zeros((2, batch.n))
+    claw_nodes = np.zeros((batch.n, 2, 9))
+    for _ in range(round(seconds / (substeps * dt))):
+        engine.advance(
+            batch.state, batch.parameters, commands, mode, still, claw_nodes, clocks, columns, substeps, dt,
+            substeps * 1000, outputs, highs, lows, batch.threads,
+        )  # fmt: skip
+        batch.state[:SPEEDS, columns] *= _KEEP
+
+
+def deck_angles(decks: Array) -> Array:
+    """Roll, pitch, yaw rows of `Deck`, (3, n)."""
+    from ssmash_gym.dynamics.layout import Deck
+
+    return decks[Deck.ANGLES : Deck.ANGLES + 3]
+
+
+def still_decks(batch: Batch, columns: Columns) -> Array:
+    """`Deck` rows with the present attitude and no motion, claw where it is and at rest."""
+    from ssmash_gym.dynamics.layout import Deck
+
+    decks = batch.deck_rows(columns)
+    decks[Deck.W_NS_S : Deck.C_CLAW_S] = 0.0
+    decks[Deck.V_CLAW_S : Deck.V_CLAW_S + 3] = 0.0
+    return decks
+
+
+def remaining(batch: Batch, columns: Columns) -> Array:
+    """Largest generalized acceleration left on a still deck for zero speeds, (n,)."""
+    state = batch.state[:, columns].copy()
+    state[:SPEEDS] = 0.0
+    rates, _ = engine.derivative(state, batch.parameters[:, columns], batch.mode, still_decks(batch, columns))
+    return np.asarray(np.max(np.abs(rates[:SPEEDS]), axis=0))
+
+
+def newton(batch: Batch, columns: Columns, iterations: int = 12) -> None:
+    """Zero the vertical accelerations by height, roll, pitch and strokes; finite differences in one batched call."""
+    n, m = columns.size, _RESIDUAL.size
+    decks = np.repeat(still_decks(batch, columns), m + 1, axis=1)
+    parameters = np.repeat(batch.parameters[:, columns], m + 1, axis=1)
+    batch.state[:SPEEDS, columns] = 0.0
+    for _ in range(iterations):
+        base = batch.state[:, columns]
+        trial = np.repeat(base, m + 1, axis=1)
+        step = 1e-6
+        for j in range(m):
+            trial[:, 1 + j :: m + 1] = moved(base, np.eye(m)[j][:, None] * np.full((1, n), step), batch.mode)
+        rates, _ = engine.derivative(trial, parameters, batch.mode, decks)
+        values = rates[_RESIDUAL].reshape(m, n, m + 1)
+        residual = values[:, :, 0].T
+        jacobian = ((values[:, :, 1:] - values[:, :, :1]) / step).transpose(1, 0, 2)
+        change = -np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-12), residual)
+        scale = np.maximum(1.0, np.max(np.abs(change), axis=1, keepdims=True) / 0.05)
+        batch.state[:, columns] = moved(base, (change / scale).T, batch.mode)
+        if np.max(np.abs(change)) < 1e-12:
+            return
+
+
+def moved(state: Array, change: Array, mode: NDArray[np.int64]) -> Array:
+    """State after a change (6, n) of height, roll, pitch (about H axes) and the strokes."""
+    out = state.copy()
+    out[State.Q10] += change[0]
+    zero = np.zeros(state.shape[1])
+    turn(out, State.Q11, (change[1], change[2], zero))
+    for i in range(STATIONS):
+        row = State.Q15 + STATION_COORDINATES * i
+        if mode[Mode.STATION_KIND + i] == StationKind.PRISMATIC:
+            out[row] += change[3 + i]
+        else:
+            turn(out, row + 1, (zero, change[3 + i], zero))
+    return out
+
+
+def turn(state: Array, row: int, angles: tuple[Array, Array, Array]) -> None:
+    """Compose Euler parameters with a rotation vector in the rotated frame, in place."""
+    angle = np.sqrt(sum(a * a for a in angles))
+    half = 0.5 * angle
+    s = np.where(angle > 1e-300, np.sin(half) / np.maximum(angle, 1e-300), 0.5)
+    d0, (d1, d2, d3) = np.cos(half), (s * a for a in angles)
+    e0, e1, e2, e3 = state[row : row + 4].copy()
+    state[row] = e0 * d0 - e1 * d1 - e2 * d2 - e3 * d3
+    state[row + 1] = e0 * d1 + e1 * d0 + e2 * d3 - e3 * d2
+    state[row + 2] = e0 * d2 - e1 * d3 + e2 * d0 + e3 * d1
+    state[row + 3] = e0 * d3 + e1 * d2 - e2 * d1 + e3 * d0
+
+
+def vertical_loads(batch: Batch, columns: Columns) -> Array:
+    """Vertical tire loads of the three stations as last read [N], (3, n)."""
+    rows = [STATION_OUT + i * STATION_OUT_ROWS + int(StaOut.VERTICAL_LOAD) for i in range(STATIONS)]
+    return batch.telemetry.outputs[rows][:, columns]

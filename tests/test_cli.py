@@ -1,0 +1,57 @@
+"""The command line: a simulation is recorded, a mistake costs one sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ssmash_gym.cli import main
+from ssmash_gym.simulation.recording import read_recording
+
+
+def test_simulate_records_the_traverse_with_units_and_configuration(tmp_path: Path) -> None:
+    motion = tmp_path / "roll.yaml"
+    motion.write_text("motion: {type: sinusoid, dof: roll, amplitude_deg: 3.0, period_s: 8.0}\n")
+    out = tmp_path / "run.parquet"
+    words = ["--motion", str(motion), "--out", str(out), "--duration-s", "6", "--lead-in-s", "2", "--along", "0.5"]
+    assert main(["simulate", *words]) == 0
+    table, about = read_recording(out)
+    assert about["configuration"]["motion"]["amplitude_deg"] == 3.0
+    assert about["configuration"]["helicopter"]["name"] == "generic_tricycle"
+    assert about["units"]["probe_in_plane"]["unit"] == "N"
+    time = table["time_s"].to_numpy()
+    np.testing.assert_allclose(np.diff(time), 0.1, atol=1e-9)
+    claw = table["claw_x"].to_numpy()
+    assert np.all(claw[time <= 2.0] == claw[0])
+    np.testing.assert_allclose(
+        claw[-1] - claw[0], 0.15 * (4.0 - 0.1 - 0.25), atol=0.01
+    )  # delay, then 0.3 m/s2 to 0.15 m/s
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--helicopter", "no_such"], "no_such"),
+        (["--along", "2"], "along = 2"),
+        (["--lead-in-s", "70"], "lead_in_s = 70"),
+        (["--motion", "nowhere.yaml"], "nowhere.yaml"),
+    ],
+)
+def test_a_mistake_costs_one_sentence_and_nothing_is_written(
+    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "run.parquet"
+    assert main(["simulate", *words, "--out", str(out)]) == 1
+    message = capsys.readouterr().err
+    assert told in message
+    assert message.count("\n") == 1
+    assert not out.exists()
+
+
+def test_info_lists_versions_cache_and_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info"]) == 0
+    shown = capsys.readouterr().out
+    for word in ("numba", "extra train", "kernel cache", "generic_tricycle"):
+        assert word in shown
