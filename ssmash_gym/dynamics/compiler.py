@@ -1,15 +1,16 @@
 """How kernels are compiled: Numba's pipeline, made cheap for many small functions that end up in one large one.
 
 Numba optimises every function, with all that it calls, and generates its machine code before the caller gets to see
-it; a function five calls deep is then compiled five times. Here a kernel that is called by a kernel is only lowered;
-the kernel called from Python is optimised as a whole, once.
+it; a function five calls deep is then compiled five times. Here a kernel that is called by a kernel is only lowered,
+and inlined; the kernel called from Python is optimised as a whole, once. So a large kernel should have one call site.
 """
 
+# Numba is typed in part only.
+# mypy: disable-error-code="attr-defined, misc, no-untyped-call, override"
 from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from types import CodeType
 from typing import Any, Final
 
 from llvmlite import binding
@@ -26,14 +27,15 @@ from numba.core.untyped_passes import FixupArgs, InlineClosureLikes, InlineInlin
 from ssmash_gym.dynamics import lowering as lowering  # registers lanes with Numba
 
 OPTIONS: Final = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-ALLOCATORS: Final = {"array", "copy", "empty", "empty_like", "full", "full_like", "ones", "ones_like", "zeros"} | {
-    "zeros_like"
-}
+INNER_OPTIONS: Final = {"no_cpython_wrapper": True, "forceinline": True}
+ALLOCATORS: Final = frozenset(
+    ("array", "copy", "empty", "empty_like", "full", "full_like", "ones", "ones_like", "zeros", "zeros_like")
+)
 NEEDLESS: Final = (WithLifting, InlineClosureLikes, InlineInlinables, NopythonRewrites)  # nothing for them in kernels
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
-class _FoldEnums(FunctionPass):  # type: ignore[misc]
+class _FoldEnums(FunctionPass):
     """Replace ``Rows.NAME``, for a global `IntEnum` class, by its integer.
 
     Rows are plain integers then: no enum class is typed again and again, ``base + Rows.NAME`` is a constant for
@@ -95,7 +97,7 @@ def _drop_unused(blocks: Any, classes: dict[str, type[IntEnum]]) -> None:
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class _RefuseArrays(FunctionPass):  # type: ignore[misc]
+class _RefuseArrays(FunctionPass):
     """A kernel compiled without reference counts must not hand out an array."""
 
     _name = "ssmash_refuse_arrays"
@@ -113,10 +115,11 @@ def _holds_array(ty: Any) -> bool:
     return any(_holds_array(item) for item in ty) if isinstance(ty, types.BaseTuple) else isinstance(ty, types.Array)
 
 
-class KernelCompiler(CompilerBase):  # type: ignore[misc]
+class KernelCompiler(CompilerBase):
     """Numba's pipeline with rows of tables folded to integers and without the passes that kernels do not need."""
 
     def define_pipelines(self) -> list[PassManager]:
+        """The one pipeline."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.passes = [entry for entry in passes.passes if entry[0] not in NEEDLESS]
         if self.state.func_ir is None:
@@ -126,7 +129,7 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
         return [passes]
 
 
-class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
+class _InnerLibrary(JITCodeLibrary):
     """Code of a kernel for its callers: neither optimised nor made executable by itself."""
 
     def _optimize_final_module(self) -> None:
@@ -148,23 +151,12 @@ class _InnerCompiler(KernelCompiler):
         return super().define_pipelines()
 
 
-def _options(function: Callable[..., Any]) -> dict[str, Any]:
-    """Kernels that make no array need no reference counts, which cost more than many a kernel."""
-    return {**OPTIONS, "_nrt": bool(_names(function.__code__) & ALLOCATORS)}
+class KernelDispatcher(CPUDispatcher):
+    """Versions of a kernel for Python, and beside them (`inner`) those for other kernels.
 
-
-def _names(code: CodeType) -> set[str]:
-    return set(code.co_names)
-
-
-class _InnerDispatcher(CPUDispatcher):  # type: ignore[misc]
-    """Versions of a kernel for its callers."""
-
-
-class KernelDispatcher(CPUDispatcher):  # type: ignore[misc]
-    """Versions of a kernel for Python, and beside them those for other kernels.
-
-    There is one version for all integer arguments, whether their value is known or not.
+    Inner versions are inlined into their callers. There is one version for all integer arguments, whether their value
+    is known or not. A kernel that makes no array is compiled without reference counts: counting the references of
+    tables costs more than many a kernel.
     """
 
     def __init__(
@@ -174,13 +166,17 @@ class KernelDispatcher(CPUDispatcher):  # type: ignore[misc]
         targetoptions: dict[str, Any] | None = None,
         pipeline_class: type[CompilerBase] = KernelCompiler,
     ) -> None:
-        options = _options(py_func) if targetoptions is None else targetoptions
+        """Take the arguments of Numba's dispatcher; only the function needs to be given."""
+        counts = not ALLOCATORS.isdisjoint(py_func.__code__.co_names)
+        options = {**OPTIONS, "_nrt": counts} if targetoptions is None else targetoptions
         super().__init__(py_func, locals or {}, options, pipeline_class)
-        self.inner = _InnerDispatcher(py_func, {}, {**options, "no_cpython_wrapper": True}, _InnerCompiler)
+        self.inner = CPUDispatcher(py_func, {}, {**options, **INNER_OPTIONS}, _InnerCompiler)
 
     def get_call_template(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        """Typing of a call by another kernel."""
         plain = {name: types.unliteral(ty) for name, ty in kws.items()}
         return self.inner.get_call_template(tuple(types.unliteral(ty) for ty in args), plain)
 
     def get_overload(self, sig: Any) -> Any:
+        """Key of the version for another kernel."""
         return self.inner.get_overload(sig)

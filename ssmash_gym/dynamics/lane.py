@@ -6,6 +6,8 @@ A kernel is a function of *numbers*: lanes when compiled (`WIDTH` doubles worked
 that it calls, beside the compiled one.
 """
 
+# Numba is typed in part only.
+# mypy: disable-error-code="attr-defined"
 from __future__ import annotations
 
 import functools

@@ -87,11 +87,9 @@ DECK_ROWS: Final = 30
 
 
 class Work(IntEnum):
-    """Scratch rows of the equations of motion: the 6x6 of the helicopter, then the three joint blocks."""
+    """Scratch rows of the equations of motion: the three joint blocks."""
 
-    A = 0  # 36 rows, lower triangle used, translation in S axes and rotation in H axes
-    X = 36  # right-hand side, then solution, 6 rows
-    JOINT = 42  # 3 x JOINT_ROWS
+    JOINT = 0  # 3 x JOINT_ROWS
 
 
 class Joint(IntEnum):

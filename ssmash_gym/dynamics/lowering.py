@@ -6,6 +6,8 @@ target, so that Numba tries them before its own for the same operator. No instru
 is contracted or re-associated, and the bits are those of the NumPy definitions in `ssmash_gym.dynamics.primitives`.
 """
 
+# Numba is typed in part only.
+# mypy: disable-error-code="misc, no-untyped-call, untyped-decorator"
 from __future__ import annotations
 
 import operator
@@ -26,17 +28,19 @@ INTEGERS: Final = llvm.VectorType(llvm.IntType(64), WIDTH)
 BITS: Final = llvm.VectorType(llvm.IntType(1), WIDTH)
 
 
-class LaneType(types.Type):  # type: ignore[misc]
+class LaneType(types.Type):
     """`WIDTH` doubles, worked on together."""
 
     def __init__(self) -> None:
+        """Name the type by its width."""
         super().__init__(name=f"Lane{WIDTH}")
 
 
-class MaskType(types.Type):  # type: ignore[misc]
+class MaskType(types.Type):
     """`WIDTH` truth values."""
 
     def __init__(self) -> None:
+        """Name the type by its width."""
         super().__init__(name=f"Mask{WIDTH}")
 
 
@@ -45,13 +49,13 @@ MASK: Final = MaskType()
 
 
 @register_model(LaneType)
-class _LaneModel(models.PrimitiveModel):  # type: ignore[misc]
+class _LaneModel(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
         super().__init__(dmm, fe_type, DOUBLES)
 
 
 @register_model(MaskType)
-class _MaskModel(models.PrimitiveModel):  # type: ignore[misc]
+class _MaskModel(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
         super().__init__(dmm, fe_type, BITS)
 
@@ -87,7 +91,7 @@ def _is_number(ty: Any) -> bool:
 # --- operators ---------------------------------------------------------------------------------------------
 
 
-class _LaneTemplate(AbstractTemplate):  # type: ignore[misc]
+class _LaneTemplate(AbstractTemplate):
     """Typing of one operator or primitive; tried before Numba's own templates of the same operator."""
 
     metadata: ClassVar[dict[str, str]] = {"target": "cpu"}
@@ -257,7 +261,7 @@ def _is_row(ty: Any) -> bool:
 
 
 @infer_global(primitives.load)
-class _LoadTemplate(AbstractTemplate):  # type: ignore[misc]
+class _LoadTemplate(AbstractTemplate):
     key = primitives.load
 
     def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
@@ -267,13 +271,13 @@ class _LoadTemplate(AbstractTemplate):  # type: ignore[misc]
 
 
 @infer_global(primitives.store)
-class _StoreTemplate(AbstractTemplate):  # type: ignore[misc]
+class _StoreTemplate(AbstractTemplate):
     key = primitives.store
 
     def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
         if len(args) == 3 and not kws and _is_block(args[0]) and args[0].mutable:
-            if _is_row(args[1]) and _is_number(args[2]):
-                return signature(types.none, args[0], types.intp, LANE)
+            row, value = args[1:]
+            return signature(types.none, args[0], types.intp, LANE) if _is_row(row) and _is_number(value) else None
         return None
 
 

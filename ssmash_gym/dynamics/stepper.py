@@ -63,22 +63,35 @@ def record_peaks(o: Any, high: Any, low: Any) -> None:
 
 
 @kernel
+def total_size(trial: Any) -> Any:
+    """Sum of the magnitudes of all integrated rows; four sums at a time, for short chains."""
+    a = fabs(load(trial, 0))
+    b = fabs(load(trial, 1))
+    c = fabs(load(trial, 2))
+    d = fabs(load(trial, 3))
+    for k in range(1, ODE_ROWS // 4):
+        a = a + fabs(load(trial, 4 * k))
+        b = b + fabs(load(trial, 4 * k + 1))
+        c = c + fabs(load(trial, 4 * k + 2))
+        d = d + fabs(load(trial, 4 * k + 3))
+    return (a + b) + (c + d)
+
+
+@kernel
 def accept(y: Any, trial: Any, clock: Any) -> None:
     """Take the trial state where it is sound; hold the last sound state, and say so, where it is not.
 
     A NaN fails the comparison, so it can never be accepted.
     """
-    size = splat(0.0)
-    for k in range(ODE_ROWS):
-        size = size + fabs(load(trial, k))
+    sound = total_size(trial) < ABSURD
     held = load(y, State.DIVERGED) > 0.5
-    sound = size < ABSURD
     take = sound & ~held
-    broken = ~sound & ~held
-    if any_lane(broken):
-        report(y, trial, broken, clock)
-    for k in range(State.PROBE_LOST + 1):
-        store(y, k, where(take, load(trial, k), load(y, k)))
+    if any_lane(~take):
+        report(y, trial, ~sound & ~held, clock)
+        for k in range(State.PROBE_CAPTURED):
+            store(trial, k, where(take, load(trial, k), load(y, k)))
+    for k in range(State.PROBE_CAPTURED):
+        store(y, k, load(trial, k))
 
 
 @kernel
@@ -113,16 +126,12 @@ def update_capture(y: Any, p: Any, o: Any) -> None:
 
 
 @kernel
-def start_second_stage(y: Any, dy: Any, stage: Any, trial: Any, h: float) -> None:
-    """``stage = y + h k1`` and ``trial = y + h/2 k1``; rows outside the integration are carried over."""
+def start_second_stage(y: Any, first: Any, stage: Any, h: float) -> None:
+    """``stage = y + h k1``; rows outside the integration are carried over."""
     for k in range(ODE_ROWS):
-        value = load(y, k)
-        rate = load(dy, k)
-        store(stage, k, value + h * rate)
-        store(trial, k, value + (0.5 * h) * rate)
-    for k in range(ODE_ROWS, STATE_ROWS):
+        store(stage, k, load(y, k) + h * load(first, k))
+    for k in range(ODE_ROWS, State.DIVERGED):
         store(stage, k, load(y, k))
-        store(trial, k, load(y, k))
 
 
 @kernel
@@ -166,16 +175,13 @@ def advance_block(
     One loop over all stages (two a substep, and a last first stage for the outputs at the end), so that the
     right-hand side has one call site. `scratch` is (rows, lanes) and holds everything the block needs.
     """
-    dy = scratch[0:ODE_ROWS]
-    stage = scratch[ODE_ROWS : ODE_ROWS + STATE_ROWS]
-    trial = scratch[ODE_ROWS + STATE_ROWS : ODE_ROWS + 2 * STATE_ROWS]
-    rest = scratch[ODE_ROWS + 2 * STATE_ROWS :]
-    d = rest[0:DECK_ROWS]
-    w = rest[DECK_ROWS : DECK_ROWS + WORK_ROWS]
-    c = rest[DECK_ROWS + WORK_ROWS : DECK_ROWS + WORK_ROWS + DECK_CHANNELS * COEFFICIENTS]
-    more = rest[DECK_ROWS + WORK_ROWS + DECK_CHANNELS * COEFFICIENTS :]
-    cc = more[0 : CLAW_CHANNELS * COEFFICIENTS]
-    tau = more[CLAW_CHANNELS * COEFFICIENTS : CLAW_CHANNELS * COEFFICIENTS + 4]
+    first, rest = scratch[0:ODE_ROWS], scratch[ODE_ROWS:]
+    later, rest = rest[0:ODE_ROWS], rest[ODE_ROWS:]
+    stage, rest = rest[0:STATE_ROWS], rest[STATE_ROWS:]
+    d, rest = rest[0:DECK_ROWS], rest[DECK_ROWS:]
+    w, rest = rest[0:WORK_ROWS], rest[WORK_ROWS:]
+    c, rest = rest[0 : DECK_CHANNELS * COEFFICIENTS], rest[DECK_CHANNELS * COEFFICIENTS :]
+    cc, tau = rest[0 : CLAW_CHANNELS * COEFFICIENTS], rest[CLAW_CHANNELS * COEFFICIENTS :]
     for lane in range(columns.shape[0]):
         tau[3, lane] = -1.0
     for k in range(OUTPUT_ROWS):
@@ -189,38 +195,38 @@ def advance_block(
         second = half % 2
         if second == 0:
             x = y
+            dy = first
             gather_pieces(nodes, claw_nodes, columns, clock, spn, spacing, mode[Mode.CLAW], c, cc, tau, dt)
         else:
             x = stage
-            start_second_stage(y, dy, stage, trial, dt)
+            dy = later
+            start_second_stage(y, first, stage, dt)
             advance_claw(y, p, commands, history, (half // 2) * dt, interval, dt, stage)
-        later = second * dt
-        prescribe(x, p, mode, c, cc, ripple, load(tau, 0) + later, load(tau, 1) + later, d)
-        rates(x, p, d, mode, dy, o, w, gh, second)
+        ahead = second * dt
+        prescribe(x, p, mode, c, cc, ripple, load(tau, 0) + ahead, load(tau, 1) + ahead, d)
+        rates(x, p, d, mode, first, dy, o, w, gh, second)
         if second == 0:
             attitude_outputs(x, d, o)
             record_peaks(o, high, low)
             if half < 2 * substeps:
                 update_capture(y, p, o)
         else:
-            finish_step(y, dy, stage, trial, load(tau, 2), dt)
+            finish_step(y, first, dy, stage, load(tau, 2), dt)
             for lane in range(columns.shape[0]):
                 clock[lane] += 1
 
 
 @kernel
-def finish_step(y: Any, dy: Any, stage: Any, trial: Any, clock: Any, h: float) -> None:
-    """Complete the substep in `trial`, normalise, and take it where it is sound."""
+def finish_step(y: Any, first: Any, dy: Any, stage: Any, clock: Any, h: float) -> None:
+    """``y + h/2 (k1 + k2)`` into `stage`, normalised, and taken where it is sound; the claw has moved already."""
     for k in range(ODE_ROWS):
-        store(trial, k, load(trial, k) + (0.5 * h) * load(dy, k))
-    for k in range(State.CLAW_X, State.CLAW_VY + 1):
-        store(trial, k, load(stage, k))
-    normalise(trial)
-    accept(y, trial, clock)
+        store(stage, k, load(y, k) + (0.5 * h) * (load(first, k) + load(dy, k)))
+    normalise(stage)
+    accept(y, stage, clock)
 
 
 SCRATCH_ROWS = (
-    ODE_ROWS + 2 * STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
+    2 * ODE_ROWS + STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
 )
 
 
@@ -307,7 +313,7 @@ def rates_columns(
         gather_columns(state, block, y)
         gather_columns(parameters, block, p)
         gather_columns(decks, block, d)
-        rates(y, p, d, mode, dy, o, w, 0.0, 0)
+        rates(y, p, d, mode, dy, dy, o, w, 0.0, 0)
         attitude_outputs(y, d, o)
         scatter_columns(dy, block, live, derivative)
         scatter_columns(o, block, live, outputs)

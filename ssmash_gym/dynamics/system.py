@@ -37,16 +37,17 @@ from ssmash_gym.dynamics.maths import asin, atan2
 from ssmash_gym.dynamics.oleo import bearing_load, gas_oleo
 from ssmash_gym.dynamics.probe import probe
 from ssmash_gym.dynamics.rigid_body import (
+    add_blocks,
+    body_block,
     carriage_bias,
-    clear_system,
     coordinate_rates,
-    helicopter_block,
+    eliminate_joint,
     joint_axes,
+    load_tensor,
     origin_acceleration,
     rotate_tensor,
     solve_accelerations,
-    store_joint,
-    symmetric,
+    symmetric_apply,
 )
 from ssmash_gym.dynamics.steering import steer_moment
 from ssmash_gym.dynamics.suspension import linear_strut, strut_geometry
@@ -67,12 +68,14 @@ from ssmash_gym.dynamics.vectors import (
 
 
 @kernel
-def rates(y: Any, p: Any, d: Any, mode: Any, dy: Any, o: Any, w: Any, gh: float, second: int) -> None:
+def rates(
+    y: Any, p: Any, d: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any, gh: float, second: int
+) -> None:
     """Write the rates of the integrated rows of state `y` to `dy` and the outputs to `o`.
 
     Blocks (row, lane): `y` `State`, `p` `Par`/`Sta`/`Tir`, `d` `Deck`, `w` `Work` scratch; `mode` plain integers.
-    `second` is 1 in the second stage of the implicit scheme: `dy` then still holds the first stage's
-    accelerations, and `w` its slopes.
+    `second` is 1 in the second stage of the implicit scheme: `first` then holds the first stage's rates, and `w`
+    its slopes.
     """
     R_NS = (
         load(d, Deck.R_NS), load(d, Deck.R_NS + 1), load(d, Deck.R_NS + 2),
@@ -96,26 +99,16 @@ def rates(y: Any, p: Any, d: Any, mode: Any, dy: Any, o: Any, w: Any, gh: float,
     store3(o, Out.DECK_WX, w_NS_S)
 
     mass = load(p, Par.MASS)
-    tensor = symmetric(p, Par.IXX)
+    tensor = load_tensor(p, Par.IXX)
     load_H = body_loads(y, p, d, mode, o, R_NS, R_SH, w_NS_S, w_NH_H)
     f = sub(load_H[0], scale(mass, specific))
-    tau = sub(sub(load_H[1], apply(tensor, alpha)), cross(w_NH_H, apply(tensor, w_NH_H)))  # (2.102)
-
-    clear_system(w, 0.0 * mass)
-    moment = (0.0 * mass, 0.0 * mass, 0.0 * mass)
+    gyroscopic = cross(w_NH_H, symmetric_apply(tensor, w_NH_H))
+    tau = sub(sub(load_H[1], symmetric_apply(tensor, alpha)), gyroscopic)  # (2.102)
+    zero = 0.0 * mass
+    block = body_block(mass, tensor, (zero, zero, zero), f, tau)
     for i in range(STATIONS):
-        part = station(y, p, mode, dy, o, w, i, gh, second, R_SH, specific, alpha, w_NH_H)
-        mass = mass + part[0]
-        moment = add(moment, part[1])
-        tensor = (
-            tensor[0] + part[2][0], tensor[1] + part[2][1], tensor[2] + part[2][2],
-            tensor[3] + part[2][3], tensor[4] + part[2][4], tensor[5] + part[2][5],
-            tensor[6] + part[2][6], tensor[7] + part[2][7], tensor[8] + part[2][8],
-        )
-        f = add(f, part[3])
-        tau = add(tau, part[4])
-    helicopter_block(w, mass, moment, tensor, f, tau)
-    solve_accelerations(w, p, R_SH, dy)
+        block = add_blocks(block, station(y, p, mode, first, dy, o, w, i, gh, second, R_SH, specific, alpha, w_NH_H))
+    solve_accelerations(w, p, R_SH, block, dy)
     coordinate_rates(y, mode, dy)
 
 
@@ -156,12 +149,12 @@ def body_loads(
 
 @kernel
 def station(
-    y: Any, p: Any, mode: Any, dy: Any, o: Any, w: Any, i: int, gh: float, second: int, R_SH: Any, specific: Any,
-    alpha: Any, w_NH_H: Any,
+    y: Any, p: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any, i: int, gh: float, second: int, R_SH: Any,
+    specific: Any, alpha: Any, w_NH_H: Any,
 ) -> Any:
     """One suspension station: tires, strut, steering; writes its joint block and tire rates.
 
-    Returns its mass, first moment and inertia about the helicopter's c.g., and the load it passes on (H axes).
+    Returns its share of the helicopter's 6x6 and loads, joints eliminated.
     """
     base = Par.STATION + i * STATION_ROWS
     row = State.Q15 + STATION_COORDINATES * i
@@ -177,7 +170,7 @@ def station(
     w_NW_H = add(w_NH_H, w_HO_H)  # (2.61)
 
     mass = load(p, base + Sta.MASS)
-    tensor = rotate_tensor(R_HO, symmetric(p, base + Sta.IXX))
+    tensor = rotate_tensor(R_HO, load_tensor(p, base + Sta.IXX))
     a_W = carriage_bias(specific, alpha, w_NH_H, r_HW_H, r_OW_H, w_HO_H, v_OW_H)
     alpha_W = add(alpha, cross(w_NH_H, w_HO_H))  # (2.91)
 
@@ -188,36 +181,29 @@ def station(
     joint = joint_forces(y, p, mode, o, i, R_HO, r_OW_O, ground, axes, w_HO_H)
 
     f = sub(force, scale(mass, a_W))  # (2.103)
-    tau = sub(sub(torque, apply(tensor, alpha_W)), cross(w_NW_H, apply(tensor, w_NW_H)))  # (2.104)
-    c = implicit_slopes(w, dy, i, gh, second, joint)
-    store_joint(w, p, i, mass, tensor, axes, r_HW_H, f, tau, c[2], c[3], c[0], c[1])
-
-    rr = dot(r_HW_H, r_HW_H)
-    x, y_, z = r_HW_H
-    steiner = (
-        tensor[0] + mass * (rr - x * x), tensor[1] - mass * x * y_, tensor[2] - mass * x * z,
-        tensor[3] - mass * x * y_, tensor[4] + mass * (rr - y_ * y_), tensor[5] - mass * y_ * z,
-        tensor[6] - mass * x * z, tensor[7] - mass * y_ * z, tensor[8] + mass * (rr - z * z),
-    )
-    return (mass, scale(mass, r_HW_H), steiner, f, add(tau, cross(r_HW_H, f)))
+    gyroscopic = cross(w_NW_H, symmetric_apply(tensor, w_NW_H))
+    tau = sub(sub(torque, symmetric_apply(tensor, alpha_W)), gyroscopic)  # (2.104)
+    implicit = implicit_slopes(w, first, i, gh, second, joint)
+    block = body_block(mass, tensor, r_HW_H, f, tau)
+    return eliminate_joint(w, p, i, block, mass, tensor, axes, r_HW_H, f, tau, implicit)
 
 
 @kernel
-def implicit_slopes(w: Any, dy: Any, i: int, gh: float, second: int, joint: Any) -> Any:
-    """gamma h C of the two joint speeds, and the joint forces with the second stage's 2 gamma h C a1."""
+def implicit_slopes(w: Any, first: Any, i: int, gh: float, second: int, joint: Any) -> Any:
+    """The joint forces, with the second stage's 2 gamma h C a1, and gamma h C of the two joint speeds."""
     q1, q2, c1, c2 = joint
     base = Work.JOINT + i * JOINT_ROWS
     if second:
         gc1 = gh * load(w, base + Joint.C1)
         gc2 = gh * load(w, base + Joint.C2)
-        q1 = q1 + 2.0 * gc1 * load(dy, State.U13 + 2 * i)
-        q2 = q2 + 2.0 * gc2 * load(dy, State.U14 + 2 * i)
+        q1 = q1 + 2.0 * gc1 * load(first, State.U13 + 2 * i)
+        q2 = q2 + 2.0 * gc2 * load(first, State.U14 + 2 * i)
     else:
         store(w, base + Joint.C1, c1)
         store(w, base + Joint.C2, c2)
         gc1 = gh * c1
         gc2 = gh * c2
-    return (gc1, gc2, q1, q2)
+    return (q1, q2, gc1, gc2)
 
 
 @kernel

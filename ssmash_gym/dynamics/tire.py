@@ -41,7 +41,7 @@ def tire_frame(wy_S: Vector) -> tuple[Any, Any, Any]:
     z = wy_S[2]
     z2 = z * z
     inclination = z * (1.0 + z2 * (1.0 / 6.0 + 0.075 * z2))  # (2.114) arcsine, within 0.1 % up to 30 deg
-    return wy_S[1] * over, -(wy_S[0] * over), inclination  # (2.113), (2.115)
+    return wy_S[1] * over, -(wy_S[0] * over), inclination  # (2.113), (2.115), (2.116)
 
 
 @kernel

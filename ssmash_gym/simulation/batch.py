@@ -188,9 +188,7 @@ class Batch:
         spacing = self.timing.node_spacing_s
         longest = max(table.nodes.shape[0] for table in tables)
         if longest > self._nodes.shape[1]:
-            more = np.zeros((self.n, longest - self._nodes.shape[1], DECK_COLUMNS))
-            more[:, :, :6] = self._nodes[:, -1:, :6]
-            self._nodes = np.concatenate([self._nodes, more], axis=1)
+            self._lengthen(longest)
         for k, table in zip(chosen, tables, strict=True):
             if abs(table.spacing_s - spacing) > 1e-9:
                 raise ConfigurationError(f"deck-motion table: node spacing {table.spacing_s} s, must be {spacing} s")
@@ -201,6 +199,12 @@ class Batch:
             still = not np.any(table.nodes[:, 6:]) and np.all(table.nodes[:, :6] == table.nodes[0, :6])
             self._ends[k] = np.iinfo(np.int64).max if still else (count - 1) * self.timing.substeps_per_node
         self.clocks[chosen] = 0
+
+    def _lengthen(self, nodes: int) -> None:
+        """Make room for longer tables; the decks stand still after their last node."""
+        more = np.zeros((self.n, nodes - self._nodes.shape[1], DECK_COLUMNS))
+        more[:, :, :6] = self._nodes[:, -1:, :6]
+        self._nodes = np.concatenate([self._nodes, more], axis=1)
 
     def prescribe_claw(self, nodes: ArrayLike) -> None:
         """Replace the commanded claw by a prescribed history for the whole batch.
@@ -328,6 +332,30 @@ class Batch:
         """Return to a snapshot of this batch (or of one of the same size and layout), bit for bit."""
         for name, array in snapshot.arrays.items():
             setattr(self, name, array.copy())
+
+    def take(self, other: Batch, source: ArrayLike, target: ArrayLike) -> None:
+        """Make the `target` columns of this batch copies of the `source` columns of another, clocks and decks included.
+
+        Raises:
+            ConfigurationError: the other batch has another layout, timing, or length of command history.
+        """
+        here, there = self.columns(target), other.columns(source)
+        if other.timing != self.timing or other._commands.shape[0] != self._commands.shape[0]:
+            raise ConfigurationError("columns can only be taken from a batch of the same timing and longest delay")
+        if np.any(other._mode != self._mode) or other._claw_nodes.shape[1] != self._claw_nodes.shape[1]:
+            raise ConfigurationError("columns can only be taken from a batch of the same layout and modes")
+        longest = other._nodes.shape[1]
+        if longest > self._nodes.shape[1]:
+            self._lengthen(longest)
+        for name in ("state", "parameters", "_commands", "_outputs", "_highs", "_lows"):
+            getattr(self, name)[:, here] = getattr(other, name)[:, there]
+        for name in ("clocks", "_ends", "_claw_nodes"):
+            getattr(self, name)[here] = getattr(other, name)[there]
+        self._nodes[here, :longest] = other._nodes[there]
+        self._nodes[here, longest:] = 0.0
+        self._nodes[here, longest:, :6] = other._nodes[there, -1:, :6]
+        for k, i in zip(here, there, strict=True):
+            self.helicopters[k] = other.helicopters[i]
 
     def fork(self, k: int) -> Batch:
         """A new batch with every column repeated `k` times (column i becomes i k ... i k + k - 1), same state."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ssmash_gym.vehicle.fields import refuse
-from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_length
+from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_lengths
 from ssmash_gym.vehicle.oleo import GasOleo, cubic_slope
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def check_swing_arm(station: Station) -> None:
             "droop_m", station.droop_m, "the arm must reach forward or aft of its pivot, else the wheel cannot rise"
         )
     angles = np.sign(rise) * ARM_SWEEP
-    lengths = np.array([strut_length(station, angle) for angle in angles])
+    lengths = strut_lengths(station, angles)
     shortening = (lengths[0] - lengths[1]) / (abs(rise) * (ARM_SWEEP[1] - ARM_SWEEP[0]))
     assert station.arm is not None
     if shortening < LEAST_LEVER:

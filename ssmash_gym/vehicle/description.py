@@ -6,9 +6,9 @@ y starboard, z down); the body's c.g. lies at `Helicopter.cg_offset_m` from it, 
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.vehicle.checks import check_reach
 from ssmash_gym.vehicle.fields import Inertia, NonNegativeVector, Part, Positive, Vector, refuse
@@ -30,6 +30,11 @@ class Mark(BaseModel):
     path: str
     origin: Origin
     note: str = ""
+
+
+def _by_path(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:
+    """Give marks one order, so that helicopters compare by what they say."""
+    return tuple(sorted(marks, key=lambda mark: mark.path))
 
 
 class Aerodynamics(Part):
@@ -80,7 +85,9 @@ class Helicopter(Part):
     probe: Probe = Field(description="Securing probe")
     aerodynamics: Aerodynamics = Field(description="Wind forces")
     surroundings: Surroundings = Field(description="Gravity and air")
-    provenance: tuple[Mark, ...] = Field(default=(), description="Where each value comes from")
+    provenance: Annotated[tuple[Mark, ...], AfterValidator(_by_path)] = Field(
+        default=(), description="Where each value comes from, in the order of the paths"
+    )
 
     @property
     def station_tuple(self) -> tuple[Station, Station, Station]:

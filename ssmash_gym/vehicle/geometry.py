@@ -57,9 +57,16 @@ def strut_length(station: Station, arm_angle: float = 0.0) -> float:
     Raises:
         ValueError: The station has no arm.
     """
+    return float(strut_lengths(station, np.array([arm_angle]))[0])
+
+
+def strut_lengths(station: Station, arm_angles: Array) -> Array:
+    """The same as `strut_length` for several angles, shape (n,)."""
     if station.arm is None:
         raise ValueError("a prismatic station has no strut length")
-    c, s = np.cos(arm_angle), np.sin(arm_angle)
-    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    r_OP2_H = rotation(station.orientation) @ turn @ np.array(station.arm.arm_point_m)
-    return float(np.linalg.norm(np.array(station.mount_m) + r_OP2_H - np.array(station.arm.helicopter_point_m)))
+    c, s = np.cos(arm_angles), np.sin(arm_angles)
+    x, y, z = station.arm.arm_point_m
+    r_OP2_O = np.array([c * x + s * z, np.full_like(c, y), c * z - s * x])  # at full droop's axes, one column an angle
+    r_OP1_H = np.array(station.arm.helicopter_point_m) - np.array(station.mount_m)
+    lengths: Array = np.linalg.norm(rotation(station.orientation) @ r_OP2_O - r_OP1_H[:, None], axis=0)
+    return lengths

@@ -75,15 +75,41 @@ TIRE_COLUMNS = {
     16: "damping_z_Nspm",
 }
 
-OLEO_COLUMNS = dict(
-    enumerate(
-        "x0_m x1_m x2_m extension_stiffness_Npm gas_pressure_Pa gas_volume_m3 piston_area_m2 gas_exponent e1_Npm e2_Npm "
-        "f1_Npm2 f2_Npm2 g1_Npm3 g2_Npm3 c01_N c02_Nspm c03_Ns2pm2 c1_N c2_Nspm c3_Ns2pm2 c4_N c5_Nspm c6_Ns2pm2 c7_N "
-        "c8_Nspm c9_Ns2pm2 relief_1_N relief_2_N seal_drag_N bearing_z_m bearing_separation_m bearing_friction "
-        "friction_decay_spm".split(),
-        start=1,
-    )
-)
+OLEO_COLUMNS = {
+    1: "x0_m",
+    2: "x1_m",
+    3: "x2_m",
+    4: "extension_stiffness_Npm",
+    5: "gas_pressure_Pa",
+    6: "gas_volume_m3",
+    7: "piston_area_m2",
+    8: "gas_exponent",
+    9: "e1_Npm",
+    10: "e2_Npm",
+    11: "f1_Npm2",
+    12: "f2_Npm2",
+    13: "g1_Npm3",
+    14: "g2_Npm3",
+    15: "c01_N",
+    16: "c02_Nspm",
+    17: "c03_Ns2pm2",
+    18: "c1_N",
+    19: "c2_Nspm",
+    20: "c3_Ns2pm2",
+    21: "c4_N",
+    22: "c5_Nspm",
+    23: "c6_Ns2pm2",
+    24: "c7_N",
+    25: "c8_Nspm",
+    26: "c9_Ns2pm2",
+    27: "relief_1_N",
+    28: "relief_2_N",
+    29: "seal_drag_N",
+    30: "bearing_z_m",
+    31: "bearing_separation_m",
+    32: "bearing_friction",
+    33: "friction_decay_spm",
+}
 
 # What the errata add to HELI.INP.
 ADDED = [

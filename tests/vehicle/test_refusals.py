@@ -85,8 +85,8 @@ SEAHAWK: list[tuple[dict[str, Any], tuple[str, ...]]] = [
     ({"stations.right.droop_m": [0, 0.1, 0.5]}, ("stations.right.droop_m", "forward or aft")),
     ({"stations.right.arm.helicopter_point_m": [1.27, 1.22, 2.5]}, ("right.arm.helicopter_point_m", "shorten")),
     (
-        {"stations.right.arm.helicopter_point_m": [1.9, 1.22, 1.1], "stations.right.end_stop.stroke_m": 0.33},
-        ("stations.right.end_stop.stroke_m = 0.33", "at most"),
+        {"stations.right.arm.helicopter_point_m": [1.12, 1.22, 1.37]},
+        ("stations.right.end_stop.stroke_m = 0.3", "shortens the strut by 0.2", "at most"),
     ),
 ]
 

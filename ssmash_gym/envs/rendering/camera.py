@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Point = tuple[float, float]
 
-NEAR_M = 0.3  # nothing nearer than this is drawn
+NEAR_M: Final = 0.3  # nothing nearer than this is drawn
+FAR_PX: Final = 2.0e4  # a helicopter far off the ship must not cost the time of filling what nobody sees
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +60,12 @@ class Camera:
         return np.asarray((points_A - self.r_AC_A) @ self.R_CA.T)
 
     def to_pixels(self, points_C: Array) -> Array:
-        """Pixels (..., 2) of points in camera axes; a point nearer than `NEAR_M` is taken at `NEAR_M`."""
+        """Pixels (..., 2) of points in camera axes.
+
+        A point nearer than `NEAR_M` is taken at `NEAR_M`, one farther off the picture than `FAR_PX` at `FAR_PX`.
+        """
         scale = self.focal_px / np.maximum(points_C[..., 2], NEAR_M)
-        return np.asarray(points_C[..., :2] * scale[..., None] + self.centre_px)
+        return np.clip(points_C[..., :2] * scale[..., None] + self.centre_px, -FAR_PX, FAR_PX)
 
     def project(self, points_A: Array) -> tuple[Array, Array]:
         """Pixels (..., 2) and depth along the optical axis [m] (...,) of points in frame A."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import cos, pi, radians, sin
 from typing import Final
 
@@ -13,7 +12,7 @@ from ssmash_gym.envs.rendering.scene import History, Scene, Wheels, rotation
 
 Array = NDArray[np.float64]
 
-# A nose-wheel helicopter in rough proportion: wheel carriages at rest and mounts from the centre of gravity, H axes [m].
+# A nose-wheel helicopter in rough proportion: carriages at rest and mounts from the centre of gravity, H axes [m].
 _CARRIAGES: Final = np.array([[3.77, 0.0, 2.04], [-1.98, 1.60, 1.99], [-1.98, -1.60, 1.99]])
 _MOUNTS: Final = np.array([[3.82, 0.0, 1.10], [-1.98, 1.60, 1.05], [-1.98, -1.60, 1.05]])
 _HEIGHT: Final = 2.29
@@ -91,8 +90,3 @@ def _history(time: float, motion: float) -> History:
     probe = np.hypot(1.2e3 + 2.0e3 * np.cos(0.7 * phase), 7.5e3 * sway)
     station = 34e3 + np.stack([-1.5e3 * motion * np.cos(phase), 16e3 * sway, -16e3 * sway], axis=1)
     return History(time_s=past, probe_N=probe, station_N=station)
-
-
-def at_goal(scene: Scene) -> Scene:
-    """The same scene with the run ended at the goal, for the picture of an end."""
-    return replace(scene, outcome="goal held for 2 s", success=True)

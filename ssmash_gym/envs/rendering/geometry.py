@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ssmash_gym.envs.rendering.scene import Airframe
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 Colour = tuple[int, int, int]
 Station = tuple[float, float, float, float, float]  # x, centre y, half width, top z, bottom z of a loft's section
 
@@ -41,14 +42,18 @@ class Mesh:
     """
 
     vertices: Array
-    faces: NDArray[np.intp]
+    faces: Indices
     colour: Array
     bias: Array
     two_sided: NDArray[np.bool_]
 
 
 def mesh(
-    vertices: Array, faces: Array | Sequence[Sequence[int]], colour: object, bias: float = 0.0, two_sided: bool = False
+    vertices: Array,
+    faces: Indices | Sequence[Sequence[int]],
+    colour: object,
+    bias: float = 0.0,
+    two_sided: bool = False,
 ) -> Mesh:
     """A mesh of one bias, with one colour for all faces or one for each."""
     corners = np.asarray(faces, dtype=np.intp)
@@ -82,7 +87,7 @@ def cross(a: Array, b: Array) -> Array:
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
-def _outward(vertices: Array, faces: NDArray[np.intp], within: Array) -> NDArray[np.intp]:
+def _outward(vertices: Array, faces: Indices, within: Array) -> Indices:
     """The faces, turned so that each normal points away from its point in `within` (f, 3) or (3,)."""
     corners = vertices[faces]
     inward = ((corners.mean(axis=1) - within) * normals(corners)).sum(axis=1) < 0.0
@@ -120,7 +125,11 @@ def loft(sections: Sequence[Station], colour: Colour, under: Colour | None = Non
         for k in range(n)
     ]
     last = (len(sections) - 1) * n
-    caps = [[first + k, first + k + 1, first + n - 2 - k, first + n - 1 - k] for first in (0, last) for k in range(n // 2 - 1)]
+    caps = [
+        [first + k, first + k + 1, first + n - 2 - k, first + n - 1 - k]
+        for first in (0, last)
+        for k in range(n // 2 - 1)
+    ]
     faces = np.array(around + caps, dtype=np.intp)
     centres = np.array([ring.mean(axis=0) for ring in rings])
     middle = np.repeat(0.5 * (centres[:-1] + centres[1:]), n, axis=0)
@@ -220,15 +229,24 @@ def _rotor(a: Airframe) -> list[Mesh]:
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         along, chord = np.array([-c, s, 0.012]), np.array([s, c, 0.0])
         root = np.array([x - 0.3, 0.03 * degrees, z - 1.42])
-        rim = [root + i * along + j * chord for i, j in ((0, -0.24), (a.blade_length, -0.24), (a.blade_length, 0.24), (0, 0.24))]
-        parts.append(block(np.array([p + (0, 0, h) for h in (-0.04, 0.04) for p in rim]), BLADE, bias=0.4))
+        rim = [
+            root + i * along + j * chord
+            for i, j in ((0, -0.24), (a.blade_length, -0.24), (a.blade_length, 0.24), (0, 0.24))
+        ]
+        parts.append(
+            block(np.array([p + np.array([0.0, 0.0, h]) for h in (-0.04, 0.04) for p in rim]), BLADE, bias=0.4)
+        )
     return parts
 
 
 def _sponsons(a: Airframe) -> list[Mesh]:
-    """Fairings that carry the main stations."""
-    parts = []
-    for x, y, z in a.mounts:
+    """Fairings of main stations that stand off the cabin, and the leg that carries the auxiliary one."""
+    x, y, z = a.mounts[0]
+    parts = [box((x - 0.14, y - 0.11, a.roof_z + 0.45), (x + 0.14, y + 0.11, max(z, a.roof_z + 0.5)), BELLY)]
+    for x, y, z in a.mounts[1:]:
+        if abs(y) < 1.1 * a.half_width:
+            continue
+        z = min(z, a.floor_z - 0.09)
         side, reach = np.sign(y), abs(y) + 0.12
         centre, half = side * 0.5 * (0.6 * a.half_width + reach), 0.5 * (reach - 0.6 * a.half_width)
         sections = [
@@ -267,20 +285,22 @@ def planform(airframe: Airframe) -> Array:
 
 
 @lru_cache(maxsize=4)
-def unit_cylinder(corners: int) -> tuple[Array, NDArray[np.intp]]:
+def unit_cylinder(corners: int) -> tuple[Array, Indices]:
     """A cylinder about y of radius 1 and length 1: vertices (2 n, 3), y = -1/2 first, and its side faces (n, 4)."""
     angle = 2.0 * np.pi * (np.arange(corners) + 0.5) / corners
     ring = np.stack([np.sin(angle), np.zeros(corners), np.cos(angle)], axis=1)
     k = np.arange(corners)
     after = (k + 1) % corners
-    vertices = np.concatenate([ring - (0.0, 0.5, 0.0), ring + (0.0, 0.5, 0.0)])
+    half = np.array([0.0, 0.5, 0.0])
+    vertices = np.concatenate([ring - half, ring + half])
     faces = np.stack([k, after, corners + after, corners + k], axis=1)
     return vertices, _outward(vertices, faces, np.zeros(3))
 
 
 def bases(axis: Array) -> Array:
     """Orthonormal bases (n, 3, 3) whose second column is the unit vector along `axis` (n, 3)."""
-    y = axis / np.maximum(np.linalg.norm(axis, axis=1, keepdims=True), 1e-9)
+    size = np.linalg.norm(axis, axis=1, keepdims=True)
+    y = np.where(size > 1e-9, axis / np.maximum(size, 1e-9), np.array([0.0, 1.0, 0.0]))  # a rod of no length: any axis
     # Any vector off the axis will do to start from; one along z serves wheels, one along x upright struts.
     start = np.where(np.abs(y[:, 2:]) < 0.9, np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]))
     x = cross(y, start)

@@ -5,25 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.envs.rendering import palette
+from ssmash_gym.envs.rendering.camera import FAR_PX
 from ssmash_gym.envs.rendering.geometry import planform
 from ssmash_gym.envs.rendering.ink import Ink
 from ssmash_gym.envs.rendering.painter import Label
 from ssmash_gym.envs.rendering.palette import Colour
 from ssmash_gym.envs.rendering.scene import STATION_LABELS, Scene
+from ssmash_gym.envs.rendering.traces import Rect, draw_traces, panel
 
 if TYPE_CHECKING:
     import pygame
 
 Array = NDArray[np.float64]
-Rect = tuple[int, int, int, int]  # x, y, width, height
-
-WINDOW_S: Final = 30.0
 
 
 @dataclass(frozen=True)
@@ -58,29 +57,11 @@ class Layout:
         )
 
 
-@dataclass(frozen=True)
-class Curve:
-    """One line of a trace: its values, colour and name."""
-
-    values: Array
-    colour: Colour
-    name: str
-
-
-@dataclass(frozen=True)
-class Line:
-    """One horizontal limit of a trace."""
-
-    value: float
-    colour: Colour
-    name: str
-
-
 def draw_hud(surface: pygame.Surface, ink: Ink, layout: Layout, scene: Scene, labels: Sequence[Label]) -> None:
     """Everything but the view itself."""
     _labels(surface, ink, layout, labels)
     _plan(surface, ink, layout.plan, scene)
-    _strip(surface, ink, layout.strip, scene)
+    draw_traces(surface, ink, layout.strip, scene)
     _column(surface, ink, layout.column, scene)
     if scene.outcome:
         _banner(surface, ink, layout.view, scene)
@@ -106,136 +87,33 @@ def _labels(surface: pygame.Surface, ink: Ink, layout: Layout, labels: Sequence[
         surface.blit(word, (round(x), round(y)))
 
 
-def _panel(surface: pygame.Surface, rect: Rect) -> None:
-    import pygame
-
-    pygame.draw.rect(surface, palette.PANEL, rect)
-    pygame.draw.rect(surface, palette.PANEL_EDGE, rect, 1)
-
-
-# --- traces -------------------------------------------------------------------------------------------------
-
-
-def _strip(surface: pygame.Surface, ink: Ink, rect: Rect, scene: Scene) -> None:
-    x, y, width, height = rect
-    _panel(surface, rect)
-    limits, history, half = scene.limits, scene.history, width // 2
-    probe = [Curve(history.probe_N / 1e3, palette.PROBE, "")]
-    _trace(
-        surface,
-        ink,
-        (x, y, half, height),
-        "probe load, in plane [kN]",
-        scene,
-        probe,
-        [
-            Line(limits.probe_soft_N / 1e3, palette.SOFT, "soft"),
-            Line(limits.probe_cost_N / 1e3, palette.BAD, "limit"),
-            Line(limits.probe_ultimate_N / 1e3, (200, 90, 220), "ultimate"),
-        ],
-        1.3 * limits.probe_cost_N / 1e3,
-    )
-    loads = [Curve(history.station_N[:, i] / 1e3, palette.STATION[i], STATION_LABELS[i]) for i in range(3)]
-    _trace(
-        surface,
-        ink,
-        (x + half, y, width - half, height),
-        "tire loads [kN]",
-        scene,
-        loads,
-        [
-            Line(limits.station_N / 1e3, palette.BAD, "limit"),
-            Line(limits.lift_off_N / 1e3, palette.LIFTED, "lift-off"),
-        ],
-        1.12 * limits.station_N / 1e3,
-    )
-
-
-def _step(top: float) -> float:
-    """A round distance between grid lines: two to four of them up to `top`."""
-    unit = 10.0 ** np.floor(np.log10(top))
-    return float(unit * next(s for s in (0.5, 1.0, 2.0, 2.5, 5.0) if top / (unit * s) < 4.5))
-
-
-def _trace(
-    surface: pygame.Surface,
-    ink: Ink,
-    rect: Rect,
-    title: str,
-    scene: Scene,
-    curves: Sequence[Curve],
-    lines: Sequence[Line],
-    least_top: float,
-) -> None:
-    """One plot over the last `WINDOW_S` seconds; the scale grows with what is in the window."""
-    import pygame
-
-    x, y, width, height = rect
-    left, right, above, below = x + 30, x + width - 10, y + ink.height + 5, y + height - ink.small - 3
-    pygame.draw.rect(surface, palette.PLOT, (left, above, right - left, below - above))
-    end = max(scene.time_s, WINDOW_S)
-    time = scene.history.time_s
-    seen = (time >= end - WINDOW_S) & (time <= end)
-    largest = max((float(c.values[seen].max()) for c in curves if seen.any()), default=0.0)
-    top = max(least_top, 1.08 * largest)
-    scale = (below - above - 2) / top
-
-    def row(value: float) -> float:
-        return below - 1 - scale * value
-
-    step = _step(top)
-    for k in range(int(top / step) + 1):
-        pygame.draw.line(surface, palette.GRID, (left, row(k * step)), (right - 1, row(k * step)))
-        ink.write(surface, f"{k * step:g}", (left - 4, row(k * step) - ink.small // 2 + 2), palette.FAINT, ink.small, 1.0)
-    for second in range(int(np.ceil((end - WINDOW_S) / 10.0)) * 10, int(end) + 1, 10):
-        column = left + (second - end + WINDOW_S) / WINDOW_S * (right - left - 1)
-        pygame.draw.line(surface, palette.GRID, (column, above), (column, below - 1))
-        place = (min(column, right - 14.0), below + 2)
-        ink.write(surface, f"{second} s", place, palette.FAINT, ink.small, 0.5)
-    for line in lines:
-        if line.value <= top:
-            pygame.draw.line(surface, line.colour, (left, row(line.value)), (right - 1, row(line.value)))
-    for curve in curves:
-        if seen.sum() > 1:
-            columns = left + (time[seen] - end + WINDOW_S) / WINDOW_S * (right - left - 1)
-            rows = np.clip(row_array(curve.values[seen], below, scale), above, below - 1)
-            pygame.draw.lines(surface, curve.colour, False, np.stack([columns, rows], axis=1).tolist(), 2)
-    ink.write(surface, title, (left, y + 5), palette.TEXT, ink.small)
-    key, at = curves if len(curves) > 1 else [line for line in lines if line.value <= top], float(right)
-    for named in reversed(key):
-        at -= ink.write(surface, named.name, (at, y + 5), named.colour, ink.small, 1.0) + 8
-
-
-def row_array(values: Array, below: int, scale: float) -> Array:
-    """Pixel rows of many values."""
-    return np.asarray(below - 1 - scale * values)
-
-
-# --- the column ---------------------------------------------------------------------------------------------
-
-
 def _column(surface: pygame.Surface, ink: Ink, rect: Rect, scene: Scene) -> None:
     x, y, width, height = rect
-    _panel(surface, rect)
+    panel(surface, rect)
     inner, row = (x + 10, width - 20), ink.height
     limits, track = scene.limits, scene.track
     roll, _, yaw = scene.angles_SH
     deck_roll, deck_pitch, _ = scene.angles_NS
     at = y + 8
     ink.write(surface, f"{scene.time_s:.1f} s", (x + 10, at), palette.TEXT, ink.large)
-    ink.write(surface, f"of {scene.horizon_s:g} s", (x + width - 10, at + row // 2), palette.FAINT, ink.small, align=1.0)
+    ink.write(
+        surface, f"of {scene.horizon_s:g} s", (x + width - 10, at + row // 2), palette.FAINT, ink.small, align=1.0
+    )
     at += ink.large + 2
     length = max(track.goal_x_m - track.start_x_m, 1e-6)
     there = abs(scene.to_go_m) <= track.goal_tolerance_m
     done = (length - scene.to_go_m) / length
     gap = _Gauge(surface, ink, inner, round(max(row + 11, 0.056 * height)))
     at = gap.bar(at, "to go", f"{scene.to_go_m:z.2f} m", (0.0, 1.0), done, palette.GOOD if there else palette.LIFTED)
-    straight = abs(yaw) <= track.yaw_tolerance_rad
-    at = gap.needle(at, "yaw", f"{degrees(yaw):+z.1f} deg", 10.0, degrees(yaw), degrees(track.yaw_tolerance_rad), straight)
-    centred = abs(scene.lateral) <= track.lateral_tolerance_m
+    straight = palette.GOOD if abs(yaw) <= track.yaw_tolerance_rad else palette.SOFT
+    at = gap.needle(
+        at, "yaw", f"{degrees(yaw):+z.1f} deg", 10.0, degrees(yaw), degrees(track.yaw_tolerance_rad), straight
+    )
+    centred = palette.GOOD if abs(scene.lateral) <= track.lateral_tolerance_m else palette.SOFT
     offset, tolerance = 100.0 * scene.lateral, 100.0 * track.lateral_tolerance_m
     at = gap.needle(at, "lateral", f"{offset:+z.1f} cm", 30.0, offset, tolerance, centred)
-    at = gap.needle(at, "roll", f"{degrees(roll):+z.1f} deg", degrees(limits.roll_rad), degrees(roll), 0.0, True)
+    tilt = palette.load_colour(abs(roll), limits.roll_rad)
+    at = gap.needle(at, "roll", f"{degrees(roll):+z.1f} deg", degrees(limits.roll_rad), degrees(roll), 0.0, tilt)
     load = scene.probe_in_plane_N
     colour = palette.probe_colour(load, limits.probe_soft_N, limits.probe_cost_N)
     marks = [(limits.probe_soft_N, palette.SOFT), (limits.probe_cost_N, palette.BAD)]
@@ -287,7 +165,7 @@ class _Gauge:
             pygame.draw.line(self.surface, mark_colour, (column, top - 2), (column, top + height + 1), 2)
         return at + self.pitch
 
-    def needle(self, at: int, name: str, text: str, end: float, value: float, tolerance: float, good: bool) -> int:
+    def needle(self, at: int, name: str, text: str, end: float, value: float, tolerance: float, colour: Colour) -> int:
         """A needle about the middle, with the tolerated range shaded; returns where the next row begins."""
         import pygame
 
@@ -298,7 +176,6 @@ class _Gauge:
         pygame.draw.rect(self.surface, (40, 98, 68), (middle - half, top, 2 * half + 1, height))
         column = middle + round(min(1.0, max(-1.0, value / end)) * (width / 2 - 2))
         pygame.draw.line(self.surface, palette.FAINT, (middle, top), (middle, top + height - 1))
-        colour = palette.GOOD if good else palette.SOFT
         pygame.draw.rect(self.surface, colour, (column - 2, top - 2, 5, height + 4), border_radius=1)
         return at + self.pitch
 
@@ -330,22 +207,21 @@ def _claw_pad(surface: pygame.Surface, ink: Ink, rect: Rect, scene: Scene) -> in
     return top + max(side, 4 * words) + 6
 
 
-# --- plan and banner ----------------------------------------------------------------------------------------
-
-
 def _plan(surface: pygame.Surface, ink: Ink, rect: Rect, scene: Scene) -> None:
     """The helicopter on the track from above: forward to the right, starboard down; corridor, goal, tires, force."""
     import pygame
 
     left, top, width, height = rect
-    _panel(surface, rect)
+    panel(surface, rect)
+    surface.set_clip(rect)  # a helicopter that left the deck must not be drawn over the view
     track = scene.track
     ahead, behind = track.goal_x_m + 6.5, track.start_x_m - 11.0
     scale = min((width - 8) / (ahead - behind), (height - 8) / 6.6)
     origin = np.array([left + 0.5 * width - scale * 0.5 * (ahead + behind), top + 0.5 * height])
 
     def place(points: Array) -> list[tuple[float, float]]:
-        return [(float(a), float(b)) for a, b in origin + scale * points[:, :2]]
+        pixels = np.clip(origin + scale * points[:, :2], -FAR_PX, FAR_PX)
+        return [(float(a), float(b)) for a, b in pixels]
 
     def line(x0: float, y0: float, x1: float, y1: float, colour: Colour, thick: int = 1) -> None:
         a, b = place(np.array([[x0, y0], [x1, y1]]))
@@ -368,6 +244,7 @@ def _plan(surface: pygame.Surface, ink: Ink, rect: Rect, scene: Scene) -> None:
     colour = palette.probe_colour(scene.probe_in_plane_N, limits.probe_soft_N, limits.probe_cost_N)
     pygame.draw.line(surface, colour, claw, tip, 2)
     pygame.draw.circle(surface, palette.PROBE, claw, max(3, round(0.3 * scale)))
+    surface.set_clip(None)
     pygame.draw.rect(surface, palette.PANEL_EDGE, rect, 1)
 
 

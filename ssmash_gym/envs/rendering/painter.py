@@ -6,6 +6,7 @@ on top on purpose, the probe and its force.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING, Any, Final
@@ -107,7 +108,7 @@ def paint(surface: pygame.Surface, scene: Scene, camera_N: Camera, distance: pyg
     _faces(surface, camera_S, *hull(scene.track, scene.R_NS, scene.r_NS_N))
     _faces(surface, camera_S, ship.plates, ship.plate_colours)
     shadow = planform(scene.airframe) @ scene.R_SH[:2, :2].T + scene.r_SH_S[:2]
-    pygame.draw.polygon(surface, palette.DECK_SHADOW, camera_S.polygon(flat(shadow)))
+    _fill(surface, palette.DECK_SHADOW, camera_S.polygon(flat(shadow)))
     _faces(surface, camera_S, ship.markings, ship.marking_colours)
     _contact_patches(surface, scene, camera_S)
     _solids(surface, _solid_mesh(scene, ship.solids), camera_S)
@@ -120,7 +121,9 @@ def paint(surface: pygame.Surface, scene: Scene, camera_N: Camera, distance: pyg
     return labels + _probe(surface, scene, camera_S)
 
 
-def _faces(surface: pygame.Surface, camera: Camera, faces: Array, colours: list[Colour], skip_tiny: bool = False) -> None:
+def _faces(
+    surface: pygame.Surface, camera: Camera, faces: Array, colours: list[Colour], skip_tiny: bool = False
+) -> None:
     """Flat faces (k, 4, 3) in the given order."""
     import pygame
 
@@ -133,8 +136,18 @@ def _faces(surface: pygame.Surface, camera: Camera, faces: Array, colours: list[
         shown = (nearest > NEAR_M) & (high > 0.0).all(axis=1) & (low < surface.get_size()).all(axis=1)
     corners = pixels.tolist()
     for k in np.flatnonzero(shown).tolist():
-        points = corners[k] if nearest[k] > NEAR_M else camera.polygon(faces[k])
-        pygame.draw.polygon(surface, colours[k], points)
+        if nearest[k] > NEAR_M:
+            pygame.draw.polygon(surface, colours[k], corners[k])
+        else:
+            _fill(surface, colours[k], camera.polygon(faces[k]))
+
+
+def _fill(surface: pygame.Surface, colour: Colour, points: Sequence[Point]) -> None:
+    """A polygon of which clipping may have left nothing."""
+    import pygame
+
+    if len(points) > 2:
+        pygame.draw.polygon(surface, colour, points)
 
 
 def _contact_patches(surface: pygame.Surface, scene: Scene, camera_S: Camera) -> None:
@@ -261,6 +274,8 @@ def _probe(surface: pygame.Surface, scene: Scene, camera_S: Camera) -> list[Labe
     pygame.draw.circle(surface, palette.PROBE if scene.captured else palette.BAD, tip, 1.5 * thick)
     colour = palette.probe_colour(load, limits.probe_soft_N, limits.probe_cost_N)
     reach = float(np.hypot(*(head - tip)))
+    if not scene.captured:
+        return [Label("probe free", (float(tip[0]), float(tip[1]) - 3.0 * thick), palette.BAD, (0.0, -1.0))]
     along = (head - tip) / reach if reach > 1.0 else np.array([0.0, -1.0])
     if reach > 1.0:
         _arrow(surface, tip, head, along, 1.1 * thick, (16, 20, 26), 1.2)
@@ -270,7 +285,9 @@ def _probe(surface: pygame.Surface, scene: Scene, camera_S: Camera) -> list[Labe
     return [Label(f"{load / 1e3:.1f} kN", place, colour, beside)]
 
 
-def _arrow(surface: pygame.Surface, tail: Array, head: Array, along: Array, half: float, colour: Colour, rim: float) -> None:
+def _arrow(
+    surface: pygame.Surface, tail: Array, head: Array, along: Array, half: float, colour: Colour, rim: float
+) -> None:
     """A flat arrow in the picture's plane; `rim` widens it by as many half-widths / 2 for an outline."""
     import pygame
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
@@ -31,6 +31,7 @@ DISTANCE_M: Final = 25.0
 TARGET_ABOVE_DECK_M: Final = 1.9
 AFT_OF_HELICOPTER_M: Final = 1.4
 WIDTH_M: Final = 22.5  # shown across the view at the target's distance
+WIDEST: Final = 1.66  # width over height up to which that holds
 
 
 def require_pygame() -> None:
@@ -158,9 +159,7 @@ class _Canvas:
         found = paint(self.fine, scene, camera, self.backdrop.seen(camera))
         pygame.transform.smoothscale(self.fine, (width, height), self.view)
         self.picture.blit(self.view, (x, y))
-        labels = [
-            replace(f, place=(f.place[0] / FINENESS, f.place[1] / FINENESS)) for f in found
-        ]
+        labels = [replace(f, place=(f.place[0] / FINENESS, f.place[1] / FINENESS)) for f in found]
         draw_hud(self.picture, self.ink, self.layout, scene, labels)
         return self.picture
 
@@ -168,8 +167,8 @@ class _Canvas:
 def _pixels(surface: pygame.Surface) -> NDArray[np.uint8]:
     """A copy of a 32-bit surface, (height, width, 3). Three plane copies take a third of a strided one's time."""
     width, height = surface.get_size()
-    rows = np.frombuffer(surface.get_buffer(), dtype="<u4").reshape(height, surface.get_pitch() // 4)[:, :width]
-    octets = np.ascontiguousarray(rows).view(np.uint8).reshape(height, width, 4)
+    octets = np.frombuffer(cast(memoryview, surface.get_buffer()), dtype=np.uint8)
+    octets = octets.reshape(height, surface.get_pitch() // 4, 4)[:, :width]
     picture = np.empty((height, width, 3), dtype=np.uint8)
     for channel, shift in enumerate(surface.get_shifts()[:3]):
         picture[..., channel] = octets[..., shift // 8]
@@ -191,6 +190,7 @@ def view_camera(scene: Scene, size: tuple[int, int], standpoint: Standpoint) -> 
     away = np.array([-np.cos(above) * np.cos(quarter), np.cos(above) * np.sin(quarter), -np.sin(above)])
     target = np.array([scene.r_SH_S[0] - AFT_OF_HELICOPTER_M, 0.4 * scene.r_SH_S[1], -TARGET_ABOVE_DECK_M])
     width, height = size
-    focal, centre = width * DISTANCE_M / WIDTH_M, (0.5 * width, 0.6 * height)
+    shown = min(width, WIDEST * height)  # a wider picture shows more sea, not less of the helicopter
+    focal, centre = shown * DISTANCE_M / WIDTH_M, (0.5 * width, 0.6 * height)
     camera = Camera.looking(target + DISTANCE_M * away, -away, focal, centre)
     return camera.carried(scene.R_NS, scene.r_NS_N) if standpoint == "deck" else camera

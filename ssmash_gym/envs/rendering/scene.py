@@ -1,6 +1,6 @@
 """What is to be drawn: one frozen record of plain numbers in SI units.
 
-The renderer knows nothing of the dynamics; whoever wants a picture (an environment, a replay, the console) fills a `Scene`.
+The renderer knows nothing of the dynamics; whoever wants a picture (an environment, a replay) fills a `Scene`.
 Deck frame S: origin on the track's centre line at deck level, x forward (towards the hangar), y starboard, z down.
 Helicopter frame H: origin at the centre of gravity, x forward, y starboard, z down. Inertial frame N: z down.
 ``R_AB`` takes B components to A components.
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Point = tuple[float, float, float]
 
 STATIONS = 3
 STATION_LABELS = ("aux", "right", "left")
@@ -33,7 +34,7 @@ class Airframe:
         roof_z: Cabin roof (negative: above it).
         hub_x: Rotor mast.
         blade_length: Length of a folded main-rotor blade.
-        mounts: Attachment of the right and the left main station, two points.
+        mounts: Attachments of the auxiliary, the right and the left station.
     """
 
     nose_x: float = 5.45
@@ -44,35 +45,36 @@ class Airframe:
     roof_z: float = -0.95
     hub_x: float = 0.25
     blade_length: float = 7.2
-    mounts: tuple[tuple[float, float, float], tuple[float, float, float]] = ((-1.98, 1.6, 1.1), (-1.98, -1.6, 1.1))
+    mounts: tuple[Point, Point, Point] = ((3.8, 0.0, 1.1), (-1.98, 1.6, 1.1), (-1.98, -1.6, 1.1))
 
     @classmethod
     def around(cls, r_HW_H: Array, r_HO_H: Array) -> Airframe:
         """Proportions that suit a landing gear.
 
         Args:
-            r_HW_H: Wheel centres of the auxiliary, right and left station from the centre of gravity [m], H axes, (3, 3).
+            r_HW_H: Wheel centres of the auxiliary, right and left station [m], H axes, (3, 3).
             r_HO_H: Their attachments to the helicopter [m], H axes, (3, 3).
 
         Returns:
-            A body with the cabin ahead of a tail wheel or above a nose wheel.
+            A body with the cabin ahead of a tail wheel or above a nose wheel, in whole centimetres.
         """
         wheels, mounts = np.asarray(r_HW_H, dtype=np.float64), np.asarray(r_HO_H, dtype=np.float64)
         auxiliary_x, main_x = float(wheels[0, 0]), float(wheels[1:, 0].mean())
         half_track = float(np.abs(wheels[1:, 1]).mean())
-        floor = float(wheels[:, 2].mean()) - 0.72
+        floor = max(float(wheels[:, 2].mean()) - 0.72, float(mounts[1:, 2].mean()) - 0.05)  # struts start on the body
         nose_wheel = auxiliary_x > main_x
         nose_x = auxiliary_x + 1.7 if nose_wheel else main_x + 3.4
-        right, left = ((float(m[0]), float(m[1]), float(m[2])) for m in mounts[1:])
+        auxiliary, right, left = ((round(float(m[0]), 2), round(float(m[1]), 2), round(float(m[2]), 2)) for m in mounts)
+        # Whole centimetres: helicopters that stand a little differently share one mesh.
         return cls(
-            nose_x=nose_x,
-            cabin_aft_x=main_x - 1.3 if nose_wheel else nose_x - 7.0,
-            tail_x=min(main_x - 7.3, auxiliary_x - 2.5) if nose_wheel else min(nose_x - 14.0, auxiliary_x - 2.5),
-            half_width=min(1.15, max(0.7, half_track - 0.4)),
-            floor_z=floor,
-            roof_z=floor - 2.2,
-            hub_x=nose_x - 5.2,
-            mounts=(right, left),
+            nose_x=round(nose_x, 2),
+            cabin_aft_x=round(main_x - 1.3 if nose_wheel else nose_x - 7.0, 2),
+            tail_x=round(main_x - 7.3 if nose_wheel else min(nose_x - 14.0, auxiliary_x - 2.5), 2),
+            half_width=round(min(1.15, max(0.7, half_track - 0.4)), 2),
+            floor_z=round(floor, 2),
+            roof_z=round(floor - 2.2, 2),
+            hub_x=round(nose_x - 5.2, 2),
+            mounts=(auxiliary, right, left),
         )
 
 
@@ -151,7 +153,7 @@ class Wheels:
     @property
     def station_load_N(self) -> Array:
         """Vertical load of each station [N], (3,)."""
-        return np.bincount(self.station, weights=self.load_N, minlength=STATIONS)
+        return np.bincount(self.station, weights=self.load_N, minlength=STATIONS).astype(np.float64)
 
 
 def _empty(*shape: int) -> Array:
@@ -175,7 +177,7 @@ class History:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """One picture's worth of numbers. Everything in SI; nothing in it is changed by drawing.
+    """One picture's worth of numbers. Everything in SI and finite; nothing in it is changed by drawing.
 
     Attributes:
         time_s: Time since the start of the task [s].
@@ -187,7 +189,7 @@ class Scene:
         r_SA_S: Where the probe leaves the helicopter [m], S axes, (3,).
         r_SB_S: The probe's tip, on the claw plane [m], S axes, (3,).
         probe_force_S: Securing-probe force on the helicopter [N], S axes, (3,).
-        captured: Whether the claw holds the probe; the force arrow needs it.
+        captured: Whether the claw holds the probe; a free probe is drawn so and has no force arrow.
         r_NS_N: Deck origin from its mean place [m], N axes (z down), (3,).
         R_NS: Deck's attitude, S components to N components, (3, 3).
         claw_velocity_S: Claw velocity along and across the track [m/s], (2,).

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -80,7 +81,12 @@ def _markings(track: Track) -> list[tuple[list[list[float]], Colour]]:
     first, last = round(track.start_x_m), round(track.goal_x_m)
     for metre in range(first, last + 1):
         long = 0.4 if metre % 2 == 0 else 0.22
-        paint.append((_rectangle(metre - 0.04, metre + 0.04, track.corridor_m + 0.1, track.corridor_m + 0.1 + long), palette.PAINT))
+        paint.append(
+            (
+                _rectangle(metre - 0.04, metre + 0.04, track.corridor_m + 0.1, track.corridor_m + 0.1 + long),
+                palette.PAINT,
+            )
+        )
     return paint
 
 
@@ -113,7 +119,7 @@ def _door_frame(track: Track) -> Mesh:
             colour = yellow if k % 2 == 0 else black
             parts.append(box((door - 0.12, y0, float(levels[k + 1])), (door + 0.12, y1, float(levels[k])), colour))
     edges = np.linspace(-gap - 0.22, gap + 0.22, 5)
-    for left, right in zip(edges[:-1], edges[1:], strict=True):
+    for left, right in pairwise(edges):
         low, high = (door - 0.12, float(left), -DOOR_HEIGHT - 0.3), (door + 0.12, float(right), -DOOR_HEIGHT)
         parts.append(box(low, high, yellow))
     return merge(parts)
@@ -160,7 +166,7 @@ def hull(track: Track, R_NS: Array, r_NS_N: Array) -> tuple[Array, list[Colour]]
     foot = rim.copy()
     foot[:, 2] += np.maximum(height, 0.0) / down_N[2]
     sides = [[rim[i], rim[i + 1], foot[i + 1], foot[i]] for i in (0, 1)]
-    foam = foot + (0.0, 0.0, -0.18)
+    foam = foot - np.array([0.0, 0.0, 0.18])
     waterline = [[foam[i], foam[i + 1], foot[i + 1], foot[i]] for i in (0, 1)]
     return np.array(sides + waterline), [(62, 74, 88), palette.HULL, palette.FOAM, palette.FOAM]
 
@@ -174,11 +180,13 @@ def backdrop(camera_N: Camera, size: Point) -> list[tuple[list[Point], Colour]]:
     down_C, forward_N = camera_N.R_CA[:, 2], camera_N.R_CA[2].copy()
     forward_N[2] = 0.0
     ahead_C = camera_N.R_CA @ (forward_N / np.linalg.norm(forward_N))
-    depressions = np.concatenate([[-9.0], -np.geomspace(0.5, 0.01, 8), [0.0], np.geomspace(0.006, 0.8, HORIZON_BANDS), [9.0]])
+    depressions = np.concatenate(
+        [[-9.0], -np.geomspace(0.5, 0.01, 8), [0.0], np.geomspace(0.006, 0.8, HORIZON_BANDS), [9.0]]
+    )
     screen = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
     bands = []
     horizon = 9  # the first band under it
-    for k, (low, high) in enumerate(zip(depressions[:-1], depressions[1:], strict=True)):
+    for k, (low, high) in enumerate(pairwise(depressions)):
         band = screen
         for row in (down_C - low * ahead_C, high * ahead_C - down_C):
             a, b = row[0] / camera_N.focal_px, row[1] / camera_N.focal_px
@@ -208,7 +216,7 @@ def crests(time_s: float, ship_speed_m_s: float) -> Array:
     return np.stack([np.stack([x + i * thick, place[:, 1] + j * length, z], axis=1) for i, j in corners], axis=1)
 
 
-def flat(points: Sequence[Sequence[float]]) -> Array:
+def flat(points: Array | Sequence[Sequence[float]]) -> Array:
     """Points given by x and y, laid on the deck (k, 3)."""
     plane = np.asarray(points, dtype=np.float64)
     return np.concatenate([plane, np.zeros((len(plane), 1))], axis=1)

@@ -1,0 +1,376 @@
+"""The task for a batch of helicopters, in NumPy: the one core of the single, the vector and the SB3 environment.
+
+Column k of a batch is bit for bit the single environment with the same seed: nothing that happens in a column depends
+on its neighbours, the size of the batch or the number of threads.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ssmash_gym.dynamics.engine import available_threads
+from ssmash_gym.dynamics.lane import WIDTH
+from ssmash_gym.envs import limits
+from ssmash_gym.envs.divergence import divergence, dump
+from ssmash_gym.envs.episode import EpisodeBook
+from ssmash_gym.envs.nursery import Nursery
+from ssmash_gym.envs.observations import Observer
+from ssmash_gym.envs.reading import Reading, columns_of, half_spread
+from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards
+from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, load_scenario
+from ssmash_gym.envs.sensors import SensorBank
+from ssmash_gym.envs.starts import Starter
+from ssmash_gym.envs.task import TaskConfig, load_task
+from ssmash_gym.simulation.batch import Snapshot
+from ssmash_gym.simulation.telemetry import Telemetry
+from ssmash_gym.vehicle import Helicopter, helicopter_from, load_helicopter, with_changes
+
+Array = NDArray[np.float64]
+Columns = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+ACTIONS = 2
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """What a step gave for its m columns; shape (m,) unless said otherwise. All arrays are new.
+
+    Attributes:
+        columns: Which columns.
+        observation: (m, size) float32.
+        reward, terminated, truncated: As in Gymnasium.
+        cost: Sum of `costs`; costs, margins, reward_terms: by name.
+        saturation: Share of the command's components that lay beyond +-1 before clipping.
+        clipped: How many numbers of the observation were clipped.
+        time_s: Time since the start [s].
+        endings: For each ended column: ``reason``, ``success``, ``episode_metrics``, and ``divergence`` if it was one.
+    """
+
+    columns: Columns
+    observation: NDArray[np.float32]
+    reward: Array
+    terminated: Flags
+    truncated: Flags
+    cost: Array
+    costs: dict[str, Array]
+    margins: dict[str, Array]
+    reward_terms: dict[str, Array]
+    saturation: Array
+    clipped: NDArray[np.int64]
+    time_s: Array
+    endings: dict[int, dict[str, Any]] = field(default_factory=dict)
+
+    def info(self, i: int) -> dict[str, Any]:
+        """Row i as the single environment's info."""
+        return {
+            "time_s": float(self.time_s[i]),
+            "cost": float(self.cost[i]),
+            "costs": {name: float(values[i]) for name, values in self.costs.items()},
+            "margins": {name: float(values[i]) for name, values in self.margins.items()},
+            "reward_terms": {name: float(values[i]) for name, values in self.reward_terms.items()},
+            "action_saturation": float(self.saturation[i]),
+            "observation_clipped": int(self.clipped[i]),
+            **self.endings.get(int(self.columns[i]), {}),
+        }
+
+
+class TraverseBatch:
+    """N helicopters on their way into the hangar.
+
+    Args:
+        n: How many.
+        task: Name, YAML file, mapping of changes, or `TaskConfig`.
+        scenario: Name, YAML file, mapping of changes, or `ScenarioConfig`.
+        helicopter: Name, file, `Helicopter`, or a mapping: either a whole description, or changes by dotted path to the
+            helicopter that its key ``base`` names.
+        observation: Overrides the task's: ``sensors``, ``full`` or names of `observations.TERMS`.
+        threads: Workers of a call; None takes as many as are useful. Results do not depend on it.
+        dump_dir: Folder for the state of a diverged helicopter; None writes nothing.
+        max_episode_steps: Truncates earlier than the task's horizon, as Gymnasium's TimeLimit does.
+
+    Attributes:
+        batch: The `simulation.Batch` underneath; generators: one a column; draws: of the running episodes.
+
+    Raises:
+        ConfigurationError: A configuration is refused; one sentence.
+    """
+
+    def __init__(
+        self,
+        n: int = 1,
+        *,
+        task: str | Path | Mapping[str, Any] | TaskConfig = "traverse",
+        scenario: str | Path | Mapping[str, Any] | ScenarioConfig = "training",
+        helicopter: str | Path | Mapping[str, Any] | Helicopter = "generic_tricycle",
+        observation: str | Sequence[str] | None = None,
+        threads: int | None = None,
+        dump_dir: str | Path | None = None,
+        max_episode_steps: int | None = None,
+    ) -> None:
+        self.n = n
+        self.task = load_task(task)
+        if observation is not None:
+            self.task = load_task(observed(self.task, observation))
+        self.scenario = load_scenario(scenario)
+        self.starter = Starter(as_helicopter(helicopter), self.task, self.scenario)
+        self.threads = threads or max(1, min(available_threads(), -(-n // WIDTH)))
+        self.batch = self.starter.batch(n, self.threads)
+        self.observer = Observer(self.task)
+        self.sensors = self._sensor_bank(n)
+        self.book = EpisodeBook.blank(n, self.task.horizon_steps)
+        self.book.over[:] = True
+        self.generators: list[np.random.Generator | None] = [None] * n
+        self.draws: list[EpisodeDraw | None] = [None] * n
+        self.dump_dir = dump_dir
+        self.limit_steps = min(max_episode_steps or self.task.horizon_steps, self.task.horizon_steps)
+        self._half_spread = half_spread(self.starter.helicopter)
+        self._nursery = Nursery(self.starter, n, self.threads)
+
+    def _sensor_bank(self, n: int) -> SensorBank:
+        delay, noise = self.scenario.bounds("sensors.delay_s"), self.scenario.bounds("sensors.noise")
+        return SensorBank(
+            n, self.observer.noise, delay[1] if delay else 0.0, self.task.control_interval_s, bool(noise and noise[1])
+        )
+
+    @property
+    def control_interval_s(self) -> float:
+        """Time between two commands [s]."""
+        return self.task.control_interval_s
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """The true channels of all helicopters, by name, shape (n,), SI."""
+        return self.batch.telemetry
+
+    # --- episodes ----------------------------------------------------------------------------------------------
+
+    def reset(
+        self,
+        columns: ArrayLike | None = None,
+        seeds: Sequence[int | None] | None = None,
+        draws: Sequence[EpisodeDraw | Mapping[str, Any] | None] | None = None,
+    ) -> NDArray[np.float32]:
+        """Start new episodes in the listed columns (None: all); returns their first observations, (m, size).
+
+        Args:
+            columns: Which.
+            seeds: One a column; None lets the column's own generator continue (a first one is seeded by chance).
+            draws: Ready-made draws instead of the scenario's, one a column; the generator still moves on.
+        """
+        chosen = self.batch.columns(columns)
+        for i, k in enumerate(chosen):
+            seed = None if seeds is None else seeds[i]
+            if seed is not None or self.generators[k] is None:
+                self.generators[k] = np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))
+                self._nursery.forget(int(k))
+        given = [None] * chosen.size if draws is None else list(draws)
+        self._start(chosen, [d if d is None or isinstance(d, EpisodeDraw) else EpisodeDraw.from_dict(d) for d in given])
+        telemetry, _ = columns_of(self.batch.telemetry, chosen, instant=True)
+        zero = np.zeros(chosen.size)
+        self.book.begin(chosen, zero, zero)
+        first = self._reading(chosen, telemetry, np.zeros((chosen.size, ACTIONS)))
+        self.book.held[chosen] = first.in_goal
+        first = self._reading(chosen, telemetry, np.zeros((chosen.size, ACTIONS)))
+        self.book.progress[chosen] = progress_potential(first)
+        self.book.alignment[chosen] = alignment_potential(first)
+        scaled = self.observer.scaled(first)
+        episodes = [self.draws[k] for k in chosen]
+        scaled[:, self.observer.sensors] = self.sensors.start(
+            chosen,
+            [d.sensor_seed for d in episodes if d],
+            [d.sensors_noise for d in episodes if d],
+            [d.sensors_delay_s for d in episodes if d],
+            scaled[:, self.observer.sensors],
+        )
+        return self.observer.observation(scaled)[0]
+
+    def _start(self, columns: Columns, given: Sequence[EpisodeDraw | None]) -> None:
+        """Draw (or take) the columns' episodes and bring them to their start."""
+        if any(draw is not None for draw in given):
+            for k, draw in zip(columns, given, strict=True):
+                self._nursery.forget(int(k))
+                drawn = self.scenario.sample(self._generator(int(k)))
+                self.draws[k] = drawn if draw is None else draw
+            self.starter.start(self.batch, columns, [d for d in (self.draws[k] for k in columns) if d])
+            return
+        self._nursery.start(self.batch, columns, self.generators, self.draws, self.book.steps)
+
+    def _generator(self, k: int) -> np.random.Generator:
+        generator = self.generators[k]
+        assert generator is not None
+        return generator
+
+    def step(self, actions: ArrayLike, columns: ArrayLike | None = None) -> StepResult:
+        """One control interval under normalised claw commands.
+
+        Args:
+            actions: (m, 2), along and across the track; clipped to +-1, the share beyond is reported.
+            columns: Which columns; None means all. Their episodes must be running.
+
+        Raises:
+            ValueError: A command is not finite, or has the wrong shape.
+        """
+        chosen = self.batch.columns(columns)
+        commands, saturation = self._commands(actions, chosen)
+        previous = self.book.command[chosen]
+        self.batch.advance(commands, chosen)
+        self.book.command[chosen] = commands
+        self.book.steps[chosen] += 1
+        telemetry, bad = columns_of(self.batch.telemetry, chosen)
+        broken = bad | self.batch.diverged[chosen]
+        reading = self._reading(chosen, telemetry, previous)
+        held = np.where(reading.in_goal & ~broken, self.book.held[chosen] + 1, 0)
+        self.book.held[chosen] = held
+        reading = self._reading(chosen, telemetry, previous)
+        self.book.note(chosen, reading, saturation)
+        return self._judged(chosen, reading, broken, saturation)
+
+    def _commands(self, actions: ArrayLike, columns: Columns) -> tuple[Array, Array]:
+        raw = np.asarray(actions, dtype=np.float64)
+        if raw.shape != (columns.size, ACTIONS):
+            raise ValueError(f"action: shape {raw.shape}, must be ({columns.size}, {ACTIONS})")
+        if not np.isfinite(raw).all():
+            i = int(np.argmin(np.isfinite(raw).all(axis=1)))
+            raise ValueError(f"action of helicopter {int(columns[i])}: {raw[i].tolist()}, must be finite numbers")
+        beyond = np.abs(raw) > 1.0
+        return np.clip(raw, -1.0, 1.0), 0.5 * (beyond[:, 0].astype(np.float64) + beyond[:, 1])
+
+    def _reading(self, columns: Columns, telemetry: Telemetry, previous: Array) -> Reading:
+        steps = self.book.steps[columns]
+        return Reading(
+            task=self.task,
+            telemetry=telemetry,
+            steps=steps,
+            counted=steps > self.task.grace_steps,
+            command=self.book.command[columns],
+            previous=previous,
+            held=self.book.held[columns],
+            half_spread_m=self._half_spread,
+        )
+
+    def _judged(self, columns: Columns, reading: Reading, broken: Flags, saturation: Array) -> StepResult:
+        """Observation, reward, costs and endings of an interval."""
+        margins = limits.margins(reading)
+        costs = limits.costs(margins)
+        conditions = limits.endings(reading, margins, broken)
+        reasons = np.full(columns.size, len(limits.REASONS))
+        for grade, name in reversed(list(enumerate(conditions))):
+            reasons[conditions[name]] = grade
+        goal = limits.REASONS.index(limits.GOAL)
+        terminated = reasons <= goal
+        truncated = (reading.steps >= self.limit_steps) & ~terminated
+        book = self.book
+        outcome = Outcome(book.progress[columns], book.alignment[columns], reasons == goal, reasons < goal)
+        terms = rewards(reading, outcome, broken)
+        book.progress[columns], book.alignment[columns] = progress_potential(reading), alignment_potential(reading)
+        reward = _sum(terms, columns.size)
+        cost = _sum(costs, columns.size)
+        book.returned[columns] += reward
+        book.cost[columns] += cost
+        book.over[columns] = terminated | truncated
+        scaled = self.observer.scaled(reading)
+        scaled[:, self.observer.sensors] = self.sensors.read(columns, scaled[:, self.observer.sensors])
+        observation, clipped = self.observer.observation(scaled)
+        result = StepResult(
+            columns.copy(), observation, reward, terminated, truncated, cost, costs, margins, terms, saturation,
+            clipped, reading.time_s,
+        )  # fmt: skip
+        for i in np.flatnonzero(terminated | truncated):
+            name = limits.REASONS[reasons[i]] if terminated[i] else limits.TIME
+            result.endings[int(columns[i])] = self._ending(int(columns[i]), reading, int(i), name)
+        return result
+
+    def _ending(self, k: int, reading: Reading, i: int, reason: str) -> dict[str, Any]:
+        info: dict[str, Any] = {
+            "reason": reason,
+            "success": reason == limits.GOAL,
+            "episode_metrics": self.book.metrics(k, reading, i, reason),
+        }
+        if reason == limits.DIVERGENCE:
+            start = self.task.lead_in_steps * self.batch.timing.substeps
+            info["divergence"] = divergence(self.batch, k, start)
+            if self.dump_dir is not None:
+                info["divergence"]["dump"] = dump(self.dump_dir, self.batch, k, self.draws[k], dict(info["divergence"]))
+        return info
+
+    # --- copies ------------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> BatchSnapshot:
+        """Copy of the complete state: physics, counters, sensors, generators."""
+        return BatchSnapshot(
+            self.batch.snapshot(),
+            self.book.snapshot(),
+            self.sensors.snapshot(),
+            copy.deepcopy(self.generators),
+            copy.deepcopy(self.draws),
+        )
+
+    def restore(self, snapshot: BatchSnapshot) -> None:
+        """Return to a snapshot of this batch or of one made with the same arguments, bit for bit."""
+        self.batch.restore(snapshot.physics)
+        self.book.restore(snapshot.book)
+        self.sensors.restore(snapshot.sensors)
+        self.generators = copy.deepcopy(snapshot.generators)
+        self.draws = copy.deepcopy(snapshot.draws)
+        self._nursery.clear()
+
+    def fork(self, k: int) -> TraverseBatch:
+        """A new batch with every column repeated `k` times (column i becomes i k ... i k + k - 1), same future."""
+        other = TraverseBatch(
+            self.n * k, task=self.task, scenario=self.scenario, helicopter=self.starter.helicopter,
+            threads=self.threads, dump_dir=self.dump_dir, max_episode_steps=self.limit_steps,
+        )  # fmt: skip
+        copies = np.repeat(np.arange(self.n), k)
+        other.batch = self.batch.fork(k)
+        other.book.restore(self.book.snapshot(), copies)
+        other.sensors.restore(self.sensors.snapshot(), copies)
+        other.generators = [copy.deepcopy(self.generators[i]) for i in copies]
+        other.draws = [self.draws[i] for i in copies]
+        return other
+
+
+@dataclass(frozen=True)
+class BatchSnapshot:
+    """Everything a `TraverseBatch` is at one instant; can be pickled."""
+
+    physics: Snapshot
+    book: dict[str, NDArray[Any]]
+    sensors: dict[str, Any]
+    generators: list[np.random.Generator | None]
+    draws: list[EpisodeDraw | None]
+
+
+def _sum(terms: Mapping[str, Array], n: int) -> Array:
+    """Sum of named terms, in their order."""
+    total = np.zeros(n)
+    for values in terms.values():
+        total = total + values
+    return total
+
+
+def observed(task: TaskConfig, observation: str | Sequence[str]) -> dict[str, Any]:
+    """The task as a document with another observation."""
+    chosen = observation if isinstance(observation, str) else list(observation)
+    return {**task.model_dump(mode="json"), "observation": chosen}
+
+
+def as_helicopter(given: str | Path | Mapping[str, Any] | Helicopter) -> Helicopter:
+    """A helicopter from a name, a file, a description, or changes to a base.
+
+    Raises:
+        ConfigurationError: It is refused; one sentence.
+    """
+    if isinstance(given, Helicopter):
+        return given
+    if isinstance(given, Mapping):
+        changes = dict(given)
+        base = changes.pop("base", None)
+        return helicopter_from(changes) if base is None else with_changes(load_helicopter(base), changes)
+    return load_helicopter(given)

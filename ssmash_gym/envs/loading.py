@@ -1,0 +1,156 @@
+"""From a name, a file or a mapping to a validated, frozen section; partial overrides keep their siblings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from ssmash_gym.assets import asset_path
+from ssmash_gym.envs.ranges import RANGE_KEYS
+from ssmash_gym.errors import ConfigurationError, shown
+from ssmash_gym.vehicle.document import read_yaml
+
+Model = TypeVar("Model", bound=BaseModel)
+BASE_KEY: Final = "base"  # in a mapping: the name or file that it changes
+
+
+def names(folder: str) -> list[str]:
+    """Names of the files that ship in ``configs/<folder>``."""
+    return sorted(path.stem for path in asset_path("configs", folder).glob("*.yaml"))
+
+
+def load(model: type[Model], folder: str, given: str | Path | Mapping[str, Any] | Model, default: str) -> Model:
+    """Load a section.
+
+    Args:
+        model: What to make of it.
+        folder: Where its named files lie, below ``configs``.
+        given: A name, the path of a YAML file, a ready-made section, or a mapping. A mapping changes the keys it
+            names, at any depth, of the file that its key ``base`` names (`default` without that key).
+        default: Name of the file that a mapping without ``base`` changes.
+
+    Raises:
+        ConfigurationError: Unknown name or key, or a value that is not allowed; one sentence.
+    """
+    if isinstance(given, model):
+        return given
+    if isinstance(given, Mapping):
+        changes = dict(given)
+        document, source = read(folder, changes.pop(BASE_KEY, default))
+        return validated(model, merged(document, changes), source)
+    if not isinstance(given, str | Path):
+        raise ConfigurationError(
+            f"{folder}: {shown(given)} is refused: give a name, the path of a YAML file, or a mapping."
+        )
+    document, source = read(folder, given)
+    return validated(model, document, source)
+
+
+def read(folder: str, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
+    """Read a named file or a path; returns the document and its name in messages.
+
+    Raises:
+        ConfigurationError: There is no such file.
+    """
+    path = Path(name_or_path)
+    if path.suffix.lower() in (".yaml", ".yml", ".json"):
+        if not path.is_file():
+            raise ConfigurationError(f"{path}: there is no such file.")
+    elif str(name_or_path) in names(folder):
+        path = asset_path("configs", folder, f"{name_or_path}.yaml")
+    else:
+        raise ConfigurationError(
+            f"{folder}: there is none called {shown(str(name_or_path))}: give one of {', '.join(names(folder))}, or "
+            "the path of a YAML file."
+        )
+    document = read_yaml(path.read_text(encoding="utf-8"), str(path))
+    return resolved(document, path.parent), f"{folder} {path.stem}"
+
+
+def resolved(document: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Make the paths of recorded motions absolute, taken from the file's folder."""
+    motion = document.get("motion")
+    if isinstance(motion, dict) and isinstance(motion.get("paths"), list):
+        motion["paths"] = [str((folder / str(path)).resolve()) for path in motion["paths"]]
+    return document
+
+
+def merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The document with the changes laid over it: mappings merge key by key, everything else is replaced.
+
+    A mapping is replaced as a whole where the change is a range (`ssmash_gym.envs.ranges`) or of another ``type``.
+    """
+    result = dict(document)
+    for key, value in changes.items():
+        old = result.get(key)
+        if isinstance(value, Mapping) and isinstance(old, Mapping) and not _replaces(old, value):
+            result[key] = merged(old, value)
+        else:
+            result[key] = value
+    return result
+
+
+def _replaces(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
+    ranges = bool(RANGE_KEYS & set(new)) or bool(RANGE_KEYS & set(old))
+    return ranges or ("type" in new and new["type"] != old.get("type"))
+
+
+def validated(model: type[Model], document: Mapping[str, Any], source: str) -> Model:
+    """Make the section of a document.
+
+    Raises:
+        ConfigurationError: It is refused; the first mistake in one sentence.
+    """
+    try:
+        return model.model_validate(dict(document))
+    except ValidationError as error:
+        raise ConfigurationError(sentence(model, error, source)) from None
+
+
+def sentence(model: type[BaseModel], error: ValidationError, source: str) -> str:
+    """The first mistake in one sentence: source, key, value and what is allowed."""
+    first = error.errors(include_url=False)[0]
+    path, fields = _walk(model, first["loc"])
+    key = ".".join(path)
+    if first["type"] == "extra_forbidden":
+        return f"{source}: there is no key {key}; allowed here are {', '.join(fields)}."
+    if first["type"] == "missing":
+        return f"{source}: the key {key} is missing."
+    if first["type"] == "value_error":
+        return f"{source}: {key} is refused: {first['ctx']['error']}." if key else f"{source}: {first['ctx']['error']}."
+    message = first["msg"][:1].lower() + first["msg"][1:]
+    return f"{source}: {key} = {shown(first['input'])} is refused: {message}."
+
+
+def _walk(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[list[str], list[str]]:
+    """The location without the tags of unions, and the keys allowed where it ends."""
+    path: list[str] = []
+    here: list[type[BaseModel]] = [model]
+    for step in location:
+        tagged = [m for m in here if "type" in m.model_fields and step in get_args(m.model_fields["type"].annotation)]
+        if tagged:
+            here = tagged
+            continue
+        path.append(str(step))
+        if step != location[-1]:
+            here = [m for part in here if step in part.model_fields for m in _models(part.model_fields[str(step)])]
+    return path, sorted({name for part in here for name in part.model_fields})
+
+
+def _models(field: Any) -> list[type[BaseModel]]:
+    """The sections that a field may hold."""
+    return _sections(getattr(field, "annotation", field))
+
+
+def _sections(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type):
+        return [annotation] if issubclass(annotation, BaseModel) else []
+    if get_origin(annotation) is None or get_origin(annotation) not in (Union, *_UNIONS):
+        return []
+    return [model for part in get_args(annotation) for model in _sections(part)]
+
+
+_UNIONS: Final = (type(int | str),)

@@ -1,0 +1,166 @@
+"""What a scenario may say of the deck motion: for each type of source, ranges instead of numbers.
+
+A draw gives a section that `ssmash_gym.ship.parse_motion` understands. Another source joins with a further class here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Final, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from ssmash_gym.envs.ranges import Constant, Range, within
+
+Section = dict[str, Any]
+Uniforms = Callable[[str], float]  # the uniform number that belongs to a named quantity
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+DOFS: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+_ZERO: Final = Constant(constant=0.0)
+_ONE: Final = Constant(constant=1.0)
+
+
+class _Base(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    heel_deg: Range = Field(_ZERO, description="mean roll of the deck, starboard down positive [deg]")
+    trim_deg: Range = Field(_ZERO, description="mean pitch of the deck, bow up positive [deg]")
+
+    def _mean(self, u: Uniforms) -> Section:
+        return {
+            "roll_deg": self.heel_deg.draw(u("motion.heel_deg")),
+            "pitch_deg": self.trim_deg.draw(u("motion.trim_deg")),
+        }
+
+
+class FixedMotion(_Base):
+    """A deck that stands still, heeled and trimmed."""
+
+    type: Literal["fixed"] = "fixed"
+
+    def draw(self, u: Uniforms) -> Section:
+        """A section for `parse_motion`."""
+        return {"type": "fixed", **self._mean(u)}
+
+
+class SinusoidMotion(_Base):
+    """One degree of freedom moves as a sine."""
+
+    type: Literal["sinusoid"] = "sinusoid"
+    dof: Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
+    amplitude: Range = Field(description="[deg] for roll, pitch and yaw, [m] for surge, sway and heave")
+    period_s: Annotated[Range, within(0.5, 1e6)] = Field(description="period [s]")
+    phase_deg: Range = Field(_ZERO, description="phase when the table starts [deg]")
+
+    def draw(self, u: Uniforms) -> Section:
+        """A section for `parse_motion`."""
+        key = "amplitude_deg" if DOFS.index(self.dof) >= 3 else "amplitude_m"
+        return {
+            "type": "sinusoid",
+            "dof": self.dof,
+            key: self.amplitude.draw(u("motion.amplitude")),
+            "period_s": self.period_s.draw(u("motion.period_s")),
+            "phase_deg": self.phase_deg.draw(u("motion.phase_deg")),
+            **self._mean(u),
+        }
+
+
+class Levels(BaseModel):
+    """RMS and peak period of one degree of freedom at each severity level, with scatter about them."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    rms: tuple[NotNegative, ...] = Field(description="RMS at each level: [deg] for angles, [m] for positions")
+    period_s: tuple[Positive, ...] = Field(description="period of the spectrum's peak at each level [s]")
+    scatter: Annotated[Range, within(0.0, 10.0)] = Field(_ONE, description="factor on the RMS: headings, speeds, hulls")
+    period_scatter: Annotated[Range, within(0.2, 5.0)] = Field(_ONE, description="factor on the period")
+
+
+class IrregularMotion(_Base):
+    """Irregular motion whose severity is drawn once and sets all degrees of freedom together."""
+
+    type: Literal["irregular"] = "irregular"
+    severity: Range = Field(description="on the scale of `levels`, which is interpolated")
+    levels: tuple[Number, ...] = Field(min_length=1, description="severities for which the tables below hold")
+    surge: Levels | None = None
+    sway: Levels | None = None
+    heave: Levels | None = None
+    roll: Levels | None = None
+    pitch: Levels | None = None
+    yaw: Levels | None = None
+    components: Annotated[int, Field(ge=8, le=4096)] = Field(96, description="sines a degree of freedom")
+
+    @model_validator(mode="after")
+    def _of_one_length(self) -> Self:
+        if any(b <= a for a, b in zip(self.levels, self.levels[1:], strict=False)):
+            raise ValueError(f"levels: {list(self.levels)}: must rise")
+        for dof in DOFS:
+            part = getattr(self, dof)
+            for key in ("rms", "period_s"):
+                if part is not None and len(getattr(part, key)) != len(self.levels):
+                    raise ValueError(f"{dof}.{key}: must have one number for each of the {len(self.levels)} levels")
+        low, high = self.severity.bounds
+        if low < self.levels[0] or high > self.levels[-1]:
+            raise ValueError(
+                f"severity from {low:g} to {high:g}: must lie within the levels {self.levels[0]:g} to "
+                f"{self.levels[-1]:g}"
+            )
+        return self
+
+    def draw(self, u: Uniforms) -> Section:
+        """A section for `parse_motion`."""
+        severity = self.severity.draw(u("motion.severity"))
+        section: Section = {"type": "irregular", "components": self.components, **self._mean(u)}
+        for dof in DOFS:
+            part = getattr(self, dof)
+            if part is not None:
+                rms = float(np.interp(severity, self.levels, part.rms)) * part.scatter.draw(u(f"motion.{dof}"))
+                period = float(np.interp(severity, self.levels, part.period_s))
+                key = "rms_deg" if DOFS.index(dof) >= 3 else "rms_m"
+                period *= part.period_scatter.draw(u(f"motion.{dof}.period_s"))
+                section[dof] = {key: rms, "period_s": period}
+        return section
+
+
+class RecordedMotions(BaseModel):
+    """One of several recorded motions, from a random instant on."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    type: Literal["file"] = "file"
+    paths: tuple[str, ...] = Field(min_length=1, description="records in SHIPMO columns, each as likely")
+    start_s: Annotated[Range, within(0.0, 1e6)] = Field(_ZERO, description="time of the record at the start [s]")
+    rates: Literal["euler", "body"] = "body"
+    euler_order: str = "zyx"
+    detrend: bool = True
+
+    def draw(self, u: Uniforms) -> Section:
+        """A section for `parse_motion`, with the start in ``start_s``."""
+        return {
+            "type": "file",
+            "path": self.paths[int(u("motion.path") * len(self.paths))],
+            "rates": self.rates,
+            "euler_order": self.euler_order,
+            "detrend": self.detrend,
+            "start_s": self.start_s.draw(u("motion.start_s")),
+        }
+
+
+MotionRanges = Annotated[
+    FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions, Field(discriminator="type")
+]
+PLACES: Final = (
+    "motion.heel_deg",
+    "motion.trim_deg",
+    "motion.severity",
+    "motion.amplitude",
+    "motion.period_s",
+    "motion.phase_deg",
+    "motion.path",
+    "motion.start_s",
+    *(f"motion.{dof}" for dof in DOFS),
+    *(f"motion.{dof}.period_s" for dof in DOFS),
+)

@@ -1,0 +1,182 @@
+"""The scenario: what differs from episode to episode. Each quantity is a typed range; a draw is a plain record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from ssmash_gym.envs import motions
+from ssmash_gym.envs.loading import load
+from ssmash_gym.envs.motions import MotionRanges
+from ssmash_gym.envs.ranges import Constant, Range, within
+from ssmash_gym.errors import ConfigurationError
+
+_ZERO: Final = Constant(constant=0.0)
+_ONE: Final = Constant(constant=1.0)
+_SEEDS: Final = 2**53  # exact in JSON whoever reads it
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Start(_Section):
+    """Where the helicopter has landed."""
+
+    yaw_deg: Annotated[Range, within(-90.0, 90.0)] = Field(_ZERO, description="heading relative to the track [deg]")
+    lateral_m: Range = Field(_ZERO, description="probe and claw from the centre line, starboard positive [m]")
+
+
+class Wind(_Section):
+    """True wind and the ship's mean speed; the helicopter feels the difference."""
+
+    speed_mps: Annotated[Range, within(0.0, 60.0)] = Field(_ZERO, description="true wind speed [m/s]")
+    from_deg: Range = Field(_ZERO, description="where the true wind comes from: 0 ahead, 90 starboard beam [deg]")
+    ship_speed_mps: Annotated[Range, within(0.0, 30.0)] = Field(_ZERO, description="mean speed of the ship [m/s]")
+
+
+class Helicopter(_Section):
+    """What is not known exactly of the helicopter and its tires."""
+
+    mass_factor: Annotated[Range, within(0.1, 10.0)] = Field(_ONE, description="on body mass and its inertia tensor")
+    cg_x_m: Range = Field(_ZERO, description="shift of the body's c.g., forward [m]")
+    cg_y_m: Range = Field(_ZERO, description="the same, to starboard [m]")
+    cg_z_m: Range = Field(_ZERO, description="the same, down [m]")
+    friction_factor: Annotated[Range, within(0.01, 10.0)] = Field(_ONE, description="on all tires' friction: wet deck")
+    pressure_factor: Annotated[Range, within(0.1, 10.0)] = Field(_ONE, description="on all tires' gauge pressure")
+
+
+class Claw(_Section):
+    """What is not known exactly of the claw's drive; a key left out takes the task's value."""
+
+    delay_s: Annotated[Range, within(0.0, 2.0)] | None = Field(None, description="command delay [s]")
+    ripple_along_m: Annotated[Range, within(0.0, 0.1)] | None = Field(None, description="ripple amplitude, x [m]")
+    ripple_across_m: Annotated[Range, within(0.0, 0.1)] | None = Field(None, description="ripple amplitude, y [m]")
+    ripple_phase_deg: Range = Field(_ZERO, description="phase of the ripple when the lead-in starts [deg]")
+
+
+class Sensors(_Section):
+    """Noise and delay of the physical sensors; commands, clocks and goals are known exactly."""
+
+    noise: Annotated[Range, within(0.0, 100.0)] = Field(_ZERO, description="factor on each term's nominal deviation")
+    delay_s: Annotated[Range, within(0.0, 2.0)] = Field(
+        _ZERO, description="age of a reading [s]; between control instants it is interpolated"
+    )
+
+
+class ScenarioConfig(_Section):
+    """A scenario; `load_scenario` makes it from ``configs/scenarios/*.yaml``."""
+
+    description: str = Field("", description="what it stands for, in a sentence")
+    motion: MotionRanges = Field(description="deck motion")
+    start: Start = Start()
+    wind: Wind = Wind()
+    helicopter: Helicopter = Helicopter()
+    claw: Claw = Claw()
+    sensors: Sensors = Sensors()
+
+    def sample(self, rng: np.random.Generator) -> EpisodeDraw:
+        """Draw an episode; takes the same numbers from the generator whatever the ranges are."""
+        motion_seed, sensor_seed = (int(s) for s in rng.integers(_SEEDS, size=2))
+        numbers = dict(zip(_PLACES, rng.random(_RESERVED).tolist(), strict=False))
+        values = {name: self._value(name, numbers[name]) for name in _QUANTITIES}
+        plain = {name.replace(".", "_"): value for name, value in values.items()}
+        return EpisodeDraw(
+            **plain, motion=self.motion.draw(numbers.__getitem__), motion_seed=motion_seed, sensor_seed=sensor_seed
+        )
+
+    def _value(self, name: str, u: float) -> float | None:
+        section, key = name.split(".")
+        found = getattr(getattr(self, section), key)
+        return None if found is None else float(found.draw(u))
+
+    def bounds(self, name: str) -> tuple[float, float] | None:
+        """Least and greatest value of a quantity such as ``sensors.delay_s``; None where the task decides."""
+        section, key = name.split(".")
+        found = getattr(getattr(self, section), key)
+        return None if found is None else found.bounds
+
+
+@dataclass(frozen=True)
+class EpisodeDraw:
+    """Everything that was drawn for one episode, in plain numbers: with it an episode can be started again.
+
+    The fields are the scenario's keys with their section in front; `motion` is a section for
+    `ssmash_gym.ship.parse_motion`. None takes the task's value.
+    """
+
+    start_yaw_deg: float
+    start_lateral_m: float
+    wind_speed_mps: float
+    wind_from_deg: float
+    wind_ship_speed_mps: float
+    helicopter_mass_factor: float
+    helicopter_cg_x_m: float
+    helicopter_cg_y_m: float
+    helicopter_cg_z_m: float
+    helicopter_friction_factor: float
+    helicopter_pressure_factor: float
+    claw_delay_s: float | None
+    claw_ripple_along_m: float | None
+    claw_ripple_across_m: float | None
+    claw_ripple_phase_deg: float
+    sensors_noise: float
+    sensors_delay_s: float
+    motion: dict[str, Any]
+    motion_seed: int
+    sensor_seed: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """A copy as a mapping of numbers, texts and mappings, ready for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, record: Mapping[str, Any]) -> EpisodeDraw:
+        """The inverse of `to_dict`.
+
+        Raises:
+            ConfigurationError: A key is missing or unknown.
+        """
+        known = {field.name for field in fields(cls)}
+        wrong = sorted(known.symmetric_difference(record))
+        if wrong:
+            raise ConfigurationError(f"draw: the key {wrong[0]} is {'missing' if wrong[0] in known else 'unknown'}.")
+        return cls(**{key: dict(value) if key == "motion" else value for key, value in record.items()})
+
+
+_QUANTITIES: Final = (
+    "start.yaw_deg",
+    "start.lateral_m",
+    "wind.speed_mps",
+    "wind.from_deg",
+    "wind.ship_speed_mps",
+    "helicopter.mass_factor",
+    "helicopter.cg_x_m",
+    "helicopter.cg_y_m",
+    "helicopter.cg_z_m",
+    "helicopter.friction_factor",
+    "helicopter.pressure_factor",
+    "claw.delay_s",
+    "claw.ripple_along_m",
+    "claw.ripple_across_m",
+    "claw.ripple_phase_deg",
+    "sensors.noise",
+    "sensors.delay_s",
+)
+# A new quantity takes a new place at the end, so that the old ones keep their random numbers.
+_PLACES: Final = (*_QUANTITIES, *motions.PLACES)
+_RESERVED: Final = 64
+
+
+def load_scenario(scenario: str | Path | Mapping[str, Any] | ScenarioConfig = "training") -> ScenarioConfig:
+    """Load a scenario: a name in ``configs/scenarios``, a YAML file, or a mapping of changes (key ``base``: to which).
+
+    Raises:
+        ConfigurationError: Unknown name or key, or a value that is not allowed; one sentence.
+    """
+    return load(ScenarioConfig, "scenarios", scenario, "training")

@@ -1,0 +1,91 @@
+"""Noise and delay of the sensors: each helicopter has its own generator, delay and noise level."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Columns = NDArray[np.int64]
+_CHUNK = 64  # control intervals whose noise is drawn at once
+
+
+class SensorBank:
+    """The sensors of N helicopters; values are in units of the observation's scales.
+
+    A reading of age d between two control instants is interpolated between them. Before the start the first value
+    stood for ever.
+
+    Args:
+        n: Helicopters.
+        noise: Nominal standard deviation of each sensor, (k,).
+        longest_delay_s: Longest delay that any helicopter will have; control_interval_s: time between two readings.
+        noisy: Whether any helicopter will have noise.
+    """
+
+    def __init__(self, n: int, noise: Array, longest_delay_s: float, control_interval_s: float, noisy: bool) -> None:
+        self._noise = noise
+        self._noisy = noisy
+        self._interval = control_interval_s
+        depth = int(np.ceil(longest_delay_s / control_interval_s - 1e-9)) + 1
+        self._past: Array = np.zeros((depth, n, noise.size))  # newest first
+        self._draws: Array = np.zeros((n, _CHUNK, noise.size)) if noisy else np.zeros((n, 0, noise.size))
+        self._reads: Columns = np.zeros(n, np.int64)
+        self._level: Array = np.zeros(n)
+        self._delay: Array = np.zeros(n)  # in control intervals
+        self._generators = [np.random.default_rng(0) for _ in range(n)]
+
+    def start(
+        self, columns: Columns, seeds: Sequence[int], levels: Sequence[float], delays_s: Sequence[float], values: Array
+    ) -> Array:
+        """Begin an episode and read its first instant; returns what is measured, (m, k)."""
+        for k, seed in zip(columns, seeds, strict=True):
+            self._generators[k] = np.random.default_rng(seed)
+        self._reads[columns] = 0
+        self._level[columns] = levels
+        self._delay[columns] = np.asarray(delays_s) / self._interval
+        self._past[:, columns] = values
+        return self._measured(columns, values)
+
+    def read(self, columns: Columns, values: Array) -> Array:
+        """Read one instant: the true values (m, k) go in, what is measured comes out."""
+        if self._past.shape[0] > 1:
+            self._past[1:, columns] = self._past[:-1, columns]
+        self._past[0, columns] = values
+        return self._measured(columns, values)
+
+    def _measured(self, columns: Columns, values: Array) -> Array:
+        if self._past.shape[0] > 1:
+            whole = np.floor(self._delay[columns]).astype(np.int64)
+            part = (self._delay[columns] - whole)[:, None]
+            older = np.minimum(whole + 1, self._past.shape[0] - 1)
+            values = (1.0 - part) * self._past[whole, columns] + part * self._past[older, columns]
+        if not self._noisy:
+            return values
+        place = self._reads[columns] % _CHUNK
+        for k in columns[place == 0]:
+            self._draws[k] = self._generators[k].standard_normal(self._draws.shape[1:])
+        self._reads[columns] += 1
+        return values + self._level[columns][:, None] * self._noise * self._draws[columns, place]
+
+    def snapshot(self) -> dict[str, Any]:
+        """A copy of everything that changes."""
+        arrays = {name: getattr(self, name).copy() for name in _SAVED}
+        return {**arrays, "_generators": copy.deepcopy(self._generators)}
+
+    def restore(self, snapshot: dict[str, Any], columns: Columns | None = None) -> None:
+        """Return to a snapshot, or make each helicopter a copy of the snapshot's column listed for it."""
+        for name in _SAVED:
+            saved = snapshot[name]
+            axis = 1 if name == "_past" else 0
+            setattr(self, name, saved.copy() if columns is None else np.take(saved, columns, axis=axis))
+        found = snapshot["_generators"]
+        order = range(len(found)) if columns is None else columns
+        self._generators = [copy.deepcopy(found[k]) for k in order]
+
+
+_SAVED = ("_past", "_draws", "_reads", "_level", "_delay")

@@ -1,0 +1,183 @@
+"""How an episode starts: the draw goes into the parameters, the helicopter is settled, the sea comes up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ssmash_gym.dynamics.layout import STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, Tir
+from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig
+from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship import MotionSource, MotionTable, parse_motion
+from ssmash_gym.simulation.batch import Batch, Timing
+from ssmash_gym.simulation.parameters import parameter_column
+from ssmash_gym.vehicle import Helicopter, with_changes
+
+Array = NDArray[np.float64]
+Columns = NDArray[np.int64]
+WHEEL_CHANGES = {
+    "rolling": {"stations.right.rolling": "free", "stations.left.rolling": "free"},
+    "braked": {"stations.right.rolling": "locked", "stations.left.rolling": "locked"},
+    "locked": {
+        "stations.right.rolling": "free",
+        "stations.left.rolling": "free",
+        "stations.auxiliary.steering": "locked",
+    },
+}
+
+
+def prepared(helicopter: Helicopter, task: TaskConfig) -> Helicopter:
+    """The helicopter with its wheels as the task wants them and the probe held by the claw.
+
+    Raises:
+        ConfigurationError: The helicopter's auxiliary station cannot castor (a swing arm), but the task wants it to.
+    """
+    changes: dict[str, object] = {**WHEEL_CHANGES[task.wheels], "probe.active": True, "probe.captured": True}
+    if task.wheels != "locked":
+        if helicopter.stations.auxiliary.kind == "swing_arm":
+            raise ConfigurationError(
+                f"task: wheels = {task.wheels!r} is refused for {helicopter.name}: its auxiliary station is a swing "
+                "arm and cannot castor; use 'locked'."
+            )
+        changes["stations.auxiliary.steering"] = "free"
+    return with_changes(helicopter, changes)
+
+
+def varied(helicopter: Helicopter, draw: EpisodeDraw) -> Helicopter:
+    """The helicopter of a draw as a validated description: the readable twin of `vary`.
+
+    Raises:
+        ConfigurationError: The draw makes it no helicopter.
+    """
+    f = draw.helicopter_mass_factor
+    shift = (draw.helicopter_cg_x_m, draw.helicopter_cg_y_m, draw.helicopter_cg_z_m)
+    changes: dict[str, object] = {
+        "mass_kg": f * helicopter.mass_kg,
+        "inertia_kgm2": [[f * number for number in row] for row in helicopter.inertia_kgm2],
+        "cg_offset_m": [a + b for a, b in zip(helicopter.cg_offset_m, shift, strict=True)],
+    }
+    for name, station in zip(("auxiliary", "right", "left"), helicopter.station_tuple, strict=True):
+        for k, tire in enumerate(station.tires):
+            path = f"stations.{name}.tires.{k}"
+            changes[f"{path}.friction_coefficient"] = draw.helicopter_friction_factor * tire.friction_coefficient
+            changes[f"{path}.pressure_Pa"] = draw.helicopter_pressure_factor * tire.pressure_Pa
+    return with_changes(helicopter, changes)
+
+
+def vary(column: Array, draw: EpisodeDraw) -> None:
+    """Put a draw's mass, c.g., friction and tire pressure into a parameter column, in place.
+
+    The inertia tensor goes with the mass; the c.g. shift moves every mounting point the other way.
+    """
+    column[Par.MASS : Par.IZZ + 1] *= draw.helicopter_mass_factor
+    shift = np.array([draw.helicopter_cg_x_m, draw.helicopter_cg_y_m, draw.helicopter_cg_z_m])
+    points = [int(Par.CP), int(Par.PROBE_MOUNT)]
+    for i in range(STATIONS):
+        base = Par.STATION + i * STATION_ROWS
+        points += [base + Sta.MOUNT, base + Sta.P1]
+    for row in points:
+        column[row : row + 3] -= shift
+    for t in range(TIRES):
+        base = TIRE_PAR + t * TIRE_ROWS
+        column[base + Tir.MU] *= draw.helicopter_friction_factor
+        gauge = column[base + Tir.P_O] * draw.helicopter_pressure_factor
+        column[base + Tir.P_ABS] += gauge - column[base + Tir.P_O]
+        column[base + Tir.P_O] = gauge
+
+
+def relative_wind(draw: EpisodeDraw) -> Array:
+    """True wind minus the ship's mean velocity [m/s], N axes (x along the mean heading, y starboard, z down), (3,)."""
+    angle = np.deg2rad(draw.wind_from_deg)
+    wind = -draw.wind_speed_mps * np.array([np.cos(angle), np.sin(angle), 0.0])
+    return np.asarray(wind - np.array([draw.wind_ship_speed_mps, 0.0, 0.0]))
+
+
+class Starter:
+    """Starts episodes of one task and scenario with one helicopter.
+
+    Args:
+        helicopter: As in the catalogue.
+        task: The task.
+        scenario: Its extremes are tried at once, so that a bad range is refused before the first episode.
+
+    Raises:
+        ConfigurationError: The task or the scenario does not suit the helicopter or the claw.
+    """
+
+    def __init__(self, helicopter: Helicopter, task: TaskConfig, scenario: ScenarioConfig) -> None:
+        self.task = task
+        self.scenario = scenario
+        self.helicopter = prepared(helicopter, task)
+        self.timing = Timing(task.substep_s, task.control_interval_s)
+        delay = scenario.bounds("claw.delay_s")
+        self.longest_delay_s = task.claw.delay_s if delay is None else delay[1]
+        self._column = parameter_column(self.helicopter)
+        task.claw.fill(self._column, task.substep_s)
+        self._records: dict[str | None, MotionSource] = {}
+        self._check_ranges()
+
+    def _check_ranges(self) -> None:
+        lateral = self.scenario.bounds("start.lateral_m") or (0.0, 0.0)
+        if max(abs(lateral[0]), abs(lateral[1])) > self.task.claw.y_travel_m:
+            raise ConfigurationError(
+                f"scenario: start.lateral_m reaches {lateral[0]:g} to {lateral[1]:g} m: must lie within the claw's "
+                f"lateral travel of {self.task.claw.y_travel_m:g} m."
+            )
+        example = self.scenario.sample(np.random.default_rng(0)).to_dict()
+        keys = ("mass_factor", "cg_x_m", "cg_y_m", "cg_z_m", "friction_factor", "pressure_factor")
+        for end in (0, 1):
+            bounds = {f"helicopter_{key}": (self.scenario.bounds(f"helicopter.{key}") or (0.0, 0.0))[end] for key in keys}
+            varied(self.helicopter, EpisodeDraw.from_dict({**example, **bounds}))
+
+    def batch(self, n: int, threads: int) -> Batch:
+        """A batch of n such helicopters."""
+        return Batch(
+            self.helicopter, n, timing=self.timing, modes=self.task.models.modes(), claw=self.task.claw,
+            threads=threads, longest_delay_s=self.longest_delay_s,
+        )  # fmt: skip
+
+    def column(self, draw: EpisodeDraw) -> Array:
+        """The parameters of a draw, (PARAMETER_ROWS,)."""
+        column = self._column.copy()
+        vary(column, draw)
+        column[Par.WIND : Par.WIND + 3] = relative_wind(draw)
+        if draw.claw_delay_s is not None:
+            column[Par.CLAW_DELAY] = round(draw.claw_delay_s / self.task.substep_s) * self.task.substep_s
+        if draw.claw_ripple_along_m is not None:
+            column[Par.RIPPLE_X] = draw.claw_ripple_along_m
+        if draw.claw_ripple_across_m is not None:
+            column[Par.RIPPLE_Y] = draw.claw_ripple_across_m
+        column[Par.RIPPLE_PHASE] = np.deg2rad(draw.claw_ripple_phase_deg)
+        return column
+
+    def table(self, draw: EpisodeDraw) -> MotionTable:
+        """The deck motion of a draw: lead-in, horizon and a little more."""
+        section = dict(draw.motion)
+        start_s = float(section.pop("start_s", 0.0))
+        path = section.get("path")  # a record is read once
+        source = self._records.get(path) or parse_motion(section, where="scenario.motion")
+        if path is not None:
+            self._records[path] = source
+        motion = source.realise(np.random.default_rng(draw.motion_seed))
+        duration = self.task.lead_in.duration_s + self.task.horizon_s + self.timing.node_spacing_s
+        return motion.bake(
+            duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s
+        )
+
+    def start(self, batch: Batch, columns: Columns, draws: Sequence[EpisodeDraw]) -> None:
+        """Bring the listed columns of a batch to the start of the task's time.
+
+        The helicopter is settled on the deck as it first stands, the claw goes to its probe and is held through the
+        lead-in while the motion is ramped in.
+        """
+        for k, draw in zip(columns, draws, strict=True):
+            batch.parameters[:, k] = self.column(draw)
+        batch.set_motion([self.table(draw) for draw in draws], columns)
+        lateral = np.array([draw.start_lateral_m for draw in draws])
+        yaw = np.deg2rad(np.array([draw.start_yaw_deg for draw in draws]))
+        batch.place(np.full(columns.size, self.task.track.start_x_m), lateral, yaw, columns)
+        if self.task.lead_in_steps:
+            batch.advance(None, columns, intervals=self.task.lead_in_steps)

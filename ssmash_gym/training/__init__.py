@@ -1,0 +1,1 @@
+"""Training: one YAML file becomes a run folder with a trained agent in it."""
