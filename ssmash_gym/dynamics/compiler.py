@@ -139,7 +139,7 @@ class _InnerLibrary(JITCodeLibrary):
         self._finalize_dynamic_globals()
         names = [variable.name for variable in self._final_module.global_variables]
         environments = [name for name in names if name.startswith("_ZN08NumbaEnv")]
-        text = "".join(f'@"{name}" = common global ptr null\n' for name in environments)
+        text = "".join(f'@"{name}" = common global i64 0\n' for name in environments)
         self._stand_in = binding.parse_assembly(text)  # Numba looks up the environment of each function
         self._codegen._add_module(self._stand_in)
         self._finalized = True

@@ -172,12 +172,10 @@ class TraverseBatch:
                 self._nursery.forget(int(k))
         given = [None] * chosen.size if draws is None else list(draws)
         self._start(chosen, [d if d is None or isinstance(d, EpisodeDraw) else EpisodeDraw.from_dict(d) for d in given])
-        telemetry, _ = columns_of(self.batch.telemetry, chosen, instant=True)
-        zero = np.zeros(chosen.size)
-        self.book.begin(chosen, zero, zero)
-        first = self._reading(chosen, telemetry, np.zeros((chosen.size, ACTIONS)))
-        self.book.held[chosen] = first.in_goal
-        first = self._reading(chosen, telemetry, np.zeros((chosen.size, ACTIONS)))
+        self.book.begin(chosen)
+        telemetry, broken = columns_of(self.batch.telemetry, chosen, instant=True)
+        first = self._reading(chosen, telemetry, broken, np.zeros((chosen.size, ACTIONS)))
+        self.book.held[chosen] = first.held
         self.book.progress[chosen] = progress_potential(first)
         self.book.alignment[chosen] = alignment_potential(first)
         scaled = self.observer.scaled(first)
@@ -216,21 +214,22 @@ class TraverseBatch:
 
         Raises:
             ValueError: A command is not finite, or has the wrong shape.
+            RuntimeError: An episode is over.
         """
         chosen = self.batch.columns(columns)
+        if self.book.over[chosen].any():
+            k = int(chosen[np.argmax(self.book.over[chosen])])
+            raise RuntimeError(f"the episode of helicopter {k} is over or has not begun: reset it first")
         commands, saturation = self._commands(actions, chosen)
         previous = self.book.command[chosen]
         self.batch.advance(commands, chosen)
         self.book.command[chosen] = commands
         self.book.steps[chosen] += 1
         telemetry, bad = columns_of(self.batch.telemetry, chosen)
-        broken = bad | self.batch.diverged[chosen]
-        reading = self._reading(chosen, telemetry, previous)
-        held = np.where(reading.in_goal & ~broken, self.book.held[chosen] + 1, 0)
-        self.book.held[chosen] = held
-        reading = self._reading(chosen, telemetry, previous)
+        reading = self._reading(chosen, telemetry, bad | self.batch.diverged[chosen], previous)
+        self.book.held[chosen] = reading.held
         self.book.note(chosen, reading, saturation)
-        return self._judged(chosen, reading, broken, saturation)
+        return self._judged(chosen, reading, saturation)
 
     def _commands(self, actions: ArrayLike, columns: Columns) -> tuple[Array, Array]:
         raw = np.asarray(actions, dtype=np.float64)
@@ -242,7 +241,7 @@ class TraverseBatch:
         beyond = np.abs(raw) > 1.0
         return np.clip(raw, -1.0, 1.0), 0.5 * (beyond[:, 0].astype(np.float64) + beyond[:, 1])
 
-    def _reading(self, columns: Columns, telemetry: Telemetry, previous: Array) -> Reading:
+    def _reading(self, columns: Columns, telemetry: Telemetry, broken: Flags, previous: Array) -> Reading:
         steps = self.book.steps[columns]
         return Reading(
             task=self.task,
@@ -251,15 +250,16 @@ class TraverseBatch:
             counted=steps > self.task.grace_steps,
             command=self.book.command[columns],
             previous=previous,
-            held=self.book.held[columns],
+            held_before=self.book.held[columns],
+            broken=broken,
             half_spread_m=self._half_spread,
         )
 
-    def _judged(self, columns: Columns, reading: Reading, broken: Flags, saturation: Array) -> StepResult:
+    def _judged(self, columns: Columns, reading: Reading, saturation: Array) -> StepResult:
         """Observation, reward, costs and endings of an interval."""
         margins = limits.margins(reading)
         costs = limits.costs(margins)
-        conditions = limits.endings(reading, margins, broken)
+        conditions = limits.endings(reading, margins)
         reasons = np.full(columns.size, len(limits.REASONS))
         for grade, name in reversed(list(enumerate(conditions))):
             reasons[conditions[name]] = grade
@@ -268,7 +268,7 @@ class TraverseBatch:
         truncated = (reading.steps >= self.limit_steps) & ~terminated
         book = self.book
         outcome = Outcome(book.progress[columns], book.alignment[columns], reasons == goal, reasons < goal)
-        terms = rewards(reading, outcome, broken)
+        terms = rewards(reading, outcome)
         book.progress[columns], book.alignment[columns] = progress_potential(reading), alignment_potential(reading)
         reward = _sum(terms, columns.size)
         cost = _sum(costs, columns.size)

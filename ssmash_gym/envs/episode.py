@@ -63,13 +63,11 @@ class EpisodeBook:
         arrays = {f.name: np.zeros(shapes.get(f.name, (n,)), kinds.get(f.name, np.float64)) for f in fields(cls)}
         return cls(**arrays)
 
-    def begin(self, columns: Columns, progress: Array, alignment: Array) -> None:
+    def begin(self, columns: Columns) -> None:
         """Start the listed columns' episodes."""
         for f in fields(self):
             getattr(self, f.name)[columns] = 0
         self.least_station_N[columns] = np.inf
-        self.progress[columns] = progress
-        self.alignment[columns] = alignment
 
     def note(self, columns: Columns, r: Reading, saturation: Array) -> None:
         """Write down an interval of the listed columns."""

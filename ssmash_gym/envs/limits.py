@@ -65,11 +65,11 @@ def costs(margins: Mapping[str, Array]) -> dict[str, Array]:
     return {name: (margin < 0.0).astype(np.float64) for name, margin in margins.items()}
 
 
-def endings(r: Reading, margins: Mapping[str, Array], broken: Flags) -> dict[str, Flags]:
+def endings(r: Reading, margins: Mapping[str, Array]) -> dict[str, Flags]:
     """Which helicopters are in which terminal condition, the gravest first; (n,) each."""
     probe = (r["probe_lost"] > 0.5) | (r.probe_peak_N > 1e3 * r.task.limits.probe_ultimate_kN)
     return {
-        DIVERGENCE: broken,
+        DIVERGENCE: r.broken,
         ULTIMATE: np.asarray(probe),
         OVERTURNING: np.asarray(margins["roll"] < 0.0),
         CORRIDOR: np.asarray(margins["corridor"] < 0.0),

@@ -7,7 +7,7 @@ line in `TERMS`. None knows the future of the deck's motion, the sea state or th
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,6 +18,7 @@ from ssmash_gym.dynamics.layout import STATION_NAMES
 from ssmash_gym.envs.reading import Reading
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.simulation.telemetry import channel
 
 Array = NDArray[np.float64]
 Read = Callable[[Reading], Array]
@@ -37,6 +38,7 @@ class Term:
         read: Takes the value from a reading, (n,).
         sensor: Whether it is measured: noise and delay apply.
         basic: Whether it belongs to the set ``sensors``; ``full`` holds all.
+        channel: The telemetry channel that `read` takes as it is, if it does no more.
     """
 
     name: str
@@ -47,14 +49,12 @@ class Term:
     read: Read
     sensor: bool = True
     basic: bool = True
+    channel: str = ""
 
 
-def _channel(
-    name: str, meaning: str, unit: str, scale: float, noise: float, channel: str = "", basic: bool = True
-) -> Term:
-    """A term that is a telemetry channel."""
-    source = channel or name
-    return Term(name, meaning, unit, scale, noise, lambda r: r[source], basic=basic)
+def _channel(name: str, meaning: str, unit: str, scale: float, noise: float, basic: bool = True) -> Term:
+    """A term that is the telemetry channel of its name."""
+    return Term(name, meaning, unit, scale, noise, lambda r: r[name], basic=basic, channel=name)
 
 
 def _known(name: str, meaning: str, unit: str, scale: float, read: Read) -> Term:
@@ -169,6 +169,12 @@ def chosen_terms(observation: str | Sequence[str]) -> tuple[Term, ...]:
     return tuple(TERMS[name] for name in observation)
 
 
+def _places(pairs: Iterable[tuple[int, int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Places in the observation and rows of the table they are read from."""
+    found = np.array(list(pairs), dtype=np.int64).reshape(-1, 2)
+    return found[:, 0], found[:, 1]
+
+
 class Observer:
     """Turns a reading into scaled numbers, and measured numbers into an observation.
 
@@ -188,7 +194,11 @@ class Observer:
         self.clip = task.observation_clip
         self.sensors = np.array([k for k, term in enumerate(self.terms) if term.sensor], dtype=np.int64)
         self.noise = np.array([term.noise / term.scale for term in self.terms if term.sensor])
-        self._inverse = 1.0 / np.array([term.scale for term in self.terms])
+        self._inverse = 1.0 / np.array([[term.scale] for term in self.terms])
+        found = [(k, channel(term.channel)) for k, term in enumerate(self.terms) if term.channel]
+        self._outputs = _places((k, c.row) for k, c in found if c.has_peaks)
+        self._states = _places((k, c.row) for k, c in found if not c.has_peaks)
+        self._computed = [(k, term) for k, term in enumerate(self.terms) if not term.channel]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -197,8 +207,15 @@ class Observer:
 
     def scaled(self, reading: Reading) -> Array:
         """True values in units of their scales, (n, size)."""
-        values = np.stack([term.read(reading) for term in self.terms], axis=1)
-        return np.asarray(values * self._inverse)
+        values = np.empty((self.size, reading.steps.size))
+        for (places, rows), table in (
+            (self._outputs, reading.telemetry.outputs),
+            (self._states, reading.telemetry.state),
+        ):
+            values[places] = table[rows]
+        for k, term in self._computed:
+            values[k] = term.read(reading)
+        return np.ascontiguousarray((values * self._inverse).T)
 
     def observation(self, scaled: Array) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
         """Clip; returns the observation (n, size) and how many of its numbers were clipped, (n,)."""

@@ -91,11 +91,11 @@ TERMS: Final[Mapping[str, Callable[[Reading, Outcome], Array]]] = {
 }
 
 
-def rewards(r: Reading, o: Outcome, broken: Flags) -> dict[str, Array]:
-    """Every term by name, (n,) each; helicopters whose numbers are `broken` get the failure term alone."""
+def rewards(r: Reading, o: Outcome) -> dict[str, Array]:
+    """Every term by name, (n,) each; helicopters whose numbers are broken get the failure term alone."""
     terms = {name: term(r, o) for name, term in TERMS.items()}
-    if broken.any():
+    if r.broken.any():
         for name in terms:
             if name != "failure":
-                terms[name] = np.where(broken, 0.0, terms[name])
+                terms[name] = np.where(r.broken, 0.0, terms[name])
     return terms

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics.layout import STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, Tir
+from ssmash_gym.dynamics.layout import SPEEDS, STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, State, Tir
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError
@@ -18,6 +20,7 @@ from ssmash_gym.vehicle import Helicopter, with_changes
 
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
+_SETTLING_S = 4.0  # a lead-in of this length settles small differences of mass, c.g. and tire pressure
 WHEEL_CHANGES = {
     "rolling": {"stations.right.rolling": "free", "stations.left.rolling": "free"},
     "braked": {"stations.right.rolling": "locked", "stations.left.rolling": "locked"},
@@ -95,6 +98,11 @@ def relative_wind(draw: EpisodeDraw) -> Array:
     return np.asarray(wind - np.array([draw.wind_ship_speed_mps, 0.0, 0.0]))
 
 
+def _level(draw: EpisodeDraw) -> bool:
+    """Whether the deck is level before the motion is ramped in."""
+    return draw.motion["type"] != "file" and not (draw.motion.get("roll_deg") or draw.motion.get("pitch_deg"))
+
+
 class Starter:
     """Starts episodes of one task and scenario with one helicopter.
 
@@ -167,17 +175,46 @@ class Starter:
             duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s
         )
 
+    @cached_property
+    def _rest(self) -> Array:
+        """State of the undisturbed helicopter at rest on a level deck, probe point over the origin, (STATE_ROWS,)."""
+        batch = self.batch(1, 1)
+        batch.place(0.0, 0.0, 0.0)
+        batch.state[:SPEEDS] = 0.0
+        return batch.state[:, 0].copy()
+
+    def _set_down(self, batch: Batch, k: int, draw: EpisodeDraw) -> None:
+        """Put column k where the undisturbed helicopter would rest; the lead-in takes up what differs (see tests)."""
+        half = 0.5 * math.radians(draw.start_yaw_deg)
+        c, s = math.cos(half), math.sin(half)
+        state = self._rest.copy()
+        x, y = state[State.Q8 : State.Q9 + 1].tolist()
+        cos, sin = c * c - s * s, 2.0 * c * s
+        state[State.Q8] = self.task.track.start_x_m + cos * x - sin * y
+        state[State.Q9] = draw.start_lateral_m + sin * x + cos * y
+        e0, e1, e2, e3 = state[State.Q11 : State.Q14 + 1].tolist()
+        state[State.Q11 : State.Q14 + 1] = (c * e0 - s * e3, c * e1 - s * e2, c * e2 + s * e1, c * e3 + s * e0)
+        state[State.CLAW_X], state[State.CLAW_Y] = self.task.track.start_x_m, draw.start_lateral_m
+        batch.state[:, k] = state
+
     def start(self, batch: Batch, columns: Columns, draws: Sequence[EpisodeDraw]) -> None:
         """Bring the listed columns of a batch to the start of the task's time.
 
         The helicopter is settled on the deck as it first stands, the claw goes to its probe and is held through the
-        lead-in while the motion is ramped in.
+        lead-in while the motion is ramped in. On a level deck a long lead-in settles what the draw has changed.
         """
         for k, draw in zip(columns, draws, strict=True):
             batch.parameters[:, k] = self.column(draw)
         batch.set_motion([self.table(draw) for draw in draws], columns)
-        lateral = np.array([draw.start_lateral_m for draw in draws])
-        yaw = np.deg2rad(np.array([draw.start_yaw_deg for draw in draws]))
-        batch.place(np.full(columns.size, self.task.track.start_x_m), lateral, yaw, columns)
+        settles_by_itself = self.task.lead_in.duration_s >= _SETTLING_S
+        exact = []
+        for k, draw in zip(columns, draws, strict=True):
+            if settles_by_itself and _level(draw):
+                self._set_down(batch, int(k), draw)
+            else:
+                exact.append((int(k), draw.start_lateral_m, math.radians(draw.start_yaw_deg)))
+        if exact:
+            some, lateral, yaw = (np.array(numbers) for numbers in zip(*exact, strict=True))
+            batch.place(np.full(some.size, self.task.track.start_x_m), lateral, yaw, some)
         if self.task.lead_in_steps:
             batch.advance(None, columns, intervals=self.task.lead_in_steps)

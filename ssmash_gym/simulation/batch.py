@@ -151,11 +151,13 @@ class Batch:
         chosen = self.columns(columns)
         if np.any(common_mode(list(helicopters), self.modes)[: Mode.CLAW] != self._mode[: Mode.CLAW]):
             raise ConfigurationError("a helicopter has another layout (stations, springs, tires) than its batch")
+        made: dict[int, tuple[Array, Array]] = {}  # most batches hold one description many times
         for k, helicopter in zip(chosen, helicopters, strict=True):
+            if id(helicopter) not in made:
+                made[id(helicopter)] = parameter_column(helicopter), droop_state(helicopter)
             self.helicopters[k] = helicopter
-            self.parameters[:, k] = parameter_column(helicopter)
+            self.parameters[:, k], self.state[:, k] = made[id(helicopter)]
             self.claw.fill(self.parameters[:, k], self.timing.substep_s)
-            self.state[:, k] = droop_state(helicopter)
         self.clocks[chosen] = 0
         self._commands[:, chosen] = 0.0
 
@@ -380,7 +382,7 @@ def common_mode(helicopters: Sequence[Helicopter], modes: Modes) -> Columns:
     Raises:
         ConfigurationError: they differ (one batch has one layout).
     """
-    vectors = [mode_vector(h, modes) for h in dict.fromkeys(helicopters)]
+    vectors = [mode_vector(h, modes) for h in {id(h): h for h in helicopters}.values()]
     if any(np.any(v != vectors[0]) for v in vectors):
         names = ", ".join(sorted({h.name for h in helicopters}))
         raise ConfigurationError(f"helicopters of one batch must have one layout (stations, springs, tires): {names}")

@@ -164,6 +164,7 @@ def newton(batch: Batch, columns: Columns, iterations: int = 12) -> None:
     decks = np.repeat(still_decks(batch, columns), m + 1, axis=1)
     parameters = np.repeat(batch.parameters[:, columns], m + 1, axis=1)
     batch.state[:SPEEDS, columns] = 0.0
+    done = np.zeros(n, np.bool_)
     for _ in range(iterations):
         base = batch.state[:, columns]
         trial = np.repeat(base, m + 1, axis=1)
@@ -175,9 +176,11 @@ def newton(batch: Batch, columns: Columns, iterations: int = 12) -> None:
         residual = values[:, :, 0].T
         jacobian = ((values[:, :, 1:] - values[:, :, :1]) / step).transpose(1, 0, 2)
         change = -np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-12), residual)
-        scale = np.maximum(1.0, np.max(np.abs(change), axis=1, keepdims=True) / 0.05)
-        batch.state[:, columns] = moved(base, (change / scale).T, batch.mode)
-        if np.max(np.abs(change)) < 1e-12:
+        change[done] = 0.0  # a column's result does not depend on how long its neighbours take
+        largest = np.max(np.abs(change), axis=1)
+        batch.state[:, columns] = moved(base, (change / np.maximum(1.0, largest / 0.05)[:, None]).T, batch.mode)
+        done |= largest < 1e-12
+        if done.all():
             return
 
 

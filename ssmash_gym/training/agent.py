@@ -139,8 +139,8 @@ def fingerprint(*sections: BaseModel) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-class whole_folder:  # noqa: N801
-    """A temporary folder beside `folder`; it takes its place when the block ends well and is removed when it does not."""
+class whole_folder:
+    """A temporary folder beside `folder`: it takes its place when the block ends well and is removed otherwise."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -148,8 +148,8 @@ class Bar:
     def __init__(self, total: int, console: Console) -> None:
         self.total, self.console = total, console
         self.progress = Progress(
-            TextColumn("training"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[told]}"),
-            console=console, disable=not console.is_terminal,
+            TextColumn("training"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+            TextColumn("{task.fields[told]}"), console=console, disable=not console.is_terminal,
         )  # fmt: skip
         self._task = self.progress.add_task("training", total=total, told="")
         self._tenth = -1

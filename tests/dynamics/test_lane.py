@@ -120,7 +120,7 @@ def choices(a: Any, b: Any, out: Any) -> None:
         store(out, k + 1, where(x <= y, x, 2.0))
         store(out, k + 2, where(x > y, 1.0, 0))
         store(out, k + 3, where((x >= y) & (x > 0.0), x, 0.0))
-        store(out, k + 4, where(~(x < y) | (1.0 > y), x, y))
+        store(out, k + 4, where(~(x < y) | (1.0 > y), x, y))  # noqa: SIM300 - the float on the left is the point
         store(out, k + 5, minimum(x, y))
         store(out, k + 6, maximum(x, y))
         store(out, k + 7, minimum(maximum(x, -1.0), 1.0))

@@ -1,0 +1,76 @@
+"""Runs policies through the same frozen episodes, all of them side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+import polars as pl
+
+from ssmash_gym.envs.batch_env import TraverseBatch
+from ssmash_gym.envs.limits import GOAL, LIMITS, TIME
+from ssmash_gym.envs.scenario import ScenarioConfig
+from ssmash_gym.evaluation.policies import Policy
+
+LARGEST_BATCH: Final = 256  # helicopters at once; an episode's result does not depend on it
+
+
+def run_episodes(
+    policy: Policy,
+    scenario: ScenarioConfig,
+    seeds: Sequence[int],
+    *,
+    threads: int | None = None,
+    tell: Callable[[int], None] = lambda steps: None,
+) -> pl.DataFrame:
+    """One episode a seed.
+
+    Args:
+        policy: What drives the claw; its task is the task.
+        scenario: What episodes are drawn from.
+        seeds: One an episode: the same seed is the same sea, helicopter and start for every policy.
+        threads: Workers; the result does not depend on them.
+        tell: Called after each control interval with the number of helicopters that took it.
+
+    Returns:
+        One row an episode: ``seed``, the metrics of the environment, ``failed`` (ended by anything but goal or time),
+        ``scored_peak_kN`` (the peak probe load, or the ultimate load where it failed), and for each limit ``cost_NAME``
+        (control intervals in which it was exceeded).
+    """
+    rows: list[dict[str, Any]] = []
+    for first in range(0, len(seeds), LARGEST_BATCH):
+        rows += _run_batch(policy, scenario, seeds[first : first + LARGEST_BATCH], threads, tell)
+    return pl.DataFrame(rows)
+
+
+def _run_batch(
+    policy: Policy, scenario: ScenarioConfig, seeds: Sequence[int], threads: int | None, tell: Callable[[int], None]
+) -> list[dict[str, Any]]:
+    batch = TraverseBatch(len(seeds), task=policy.task, scenario=scenario, threads=threads)
+    observations = batch.reset(seeds=list(seeds))
+    policy.reset(len(seeds))
+    exceeded = {name: np.zeros(len(seeds), dtype=np.int64) for name in LIMITS}
+    found: dict[int, dict[str, Any]] = {}
+    running = np.arange(len(seeds))
+    while running.size:
+        actions = policy.act(observations)  # of all rows: a policy may remember each
+        result = batch.step(actions[running], running)
+        observations[running] = result.observation
+        for name, costs in result.costs.items():
+            exceeded[name][running] += costs > 0.0
+        found |= {k: ending["episode_metrics"] for k, ending in result.endings.items()}
+        tell(int(running.size))
+        running = running[~(result.terminated | result.truncated)]
+    ultimate_kN = policy.task.limits.probe_ultimate_kN
+    return [
+        _row(seed, found[k], {name: int(count[k]) for name, count in exceeded.items()}, ultimate_kN)
+        for k, seed in enumerate(seeds)
+    ]
+
+
+def _row(seed: int, metrics: dict[str, Any], exceeded: dict[str, int], ultimate_kN: float) -> dict[str, Any]:
+    failed = metrics["reason"] not in (GOAL, TIME)
+    peak_kN = ultimate_kN if failed else metrics["peak_probe_kN"]
+    counts = {f"cost_{name}": count for name, count in exceeded.items()}
+    return {"seed": seed, **metrics, "failed": failed, "scored_peak_kN": float(peak_kN), **counts}

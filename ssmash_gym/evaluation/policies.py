@@ -1,0 +1,98 @@
+"""Policies by name: baselines, trained agents that ship with the package, and folders of trained agents."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ssmash_gym.assets import asset_path
+from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.training.agent import ABOUT, Agent, load_agent
+
+
+class Policy(Protocol):
+    """What every policy can do, scripted or trained; always for a batch.
+
+    Attributes:
+        name: Of the policy, in tables.
+        task: The task it is used in; its observation table says what `act` is given.
+    """
+
+    @property
+    def name(self) -> str:
+        """Name in tables."""
+
+    @property
+    def task(self) -> TaskConfig:
+        """The task it is used in."""
+
+    def reset(self, count: int) -> None:
+        """Start `count` episodes."""
+
+    def act(self, observations: NDArray[np.float32], starts: NDArray[np.bool_] | None = None) -> NDArray[np.float32]:
+        """Normalised claw velocity commands.
+
+        Args:
+            observations: (n, k), as the task's observation table scales them.
+            starts: (n,) rows in which a new episode starts; not needed after `reset`.
+
+        Returns:
+            Along and across the track, within -1 to 1, (n, 2).
+        """
+
+
+def baselines() -> Mapping[str, Callable[[TaskConfig], Policy]]:
+    """The scripted policies by name: each makes itself for a task."""
+    registry = import_module("ssmash_gym.agents.baselines").BASELINES
+    return cast("Mapping[str, Callable[[TaskConfig], Policy]]", registry)
+
+
+def make_baseline(name: str, task: TaskConfig) -> Policy:
+    """A scripted policy.
+
+    Raises:
+        ConfigurationError: There is none of that name, or the task's observation lacks what it reads.
+    """
+    known = baselines()
+    if name not in known:
+        raise ConfigurationError(f"there is no baseline {name!r}; there are {', '.join(known)}.")
+    return known[name](task)
+
+
+def trained() -> dict[str, Path]:
+    """The trained agents that ship with the package, by name."""
+    try:
+        root = asset_path("agents", "trained")
+    except FileNotFoundError:
+        return {}
+    return {path.name: path for path in sorted(root.iterdir()) if (path / ABOUT).is_file()}
+
+
+def find_agent(name_or_folder: str) -> Agent:
+    """A trained agent: the name of one that ships with the package, its folder, a checkpoint, or a run folder.
+
+    Raises:
+        ConfigurationError: There is none, or its folder is not complete.
+    """
+    shipped = trained()
+    if name_or_folder in shipped:
+        return load_agent(shipped[name_or_folder])
+    folder = Path(name_or_folder)
+    if folder.is_file():  # the pointer `latest` where links are not allowed
+        folder = folder.parent / folder.read_text(encoding="utf-8").strip()
+    if (folder / ABOUT).is_file():
+        return load_agent(folder)
+    if (folder / "agent" / ABOUT).is_file():
+        return load_agent(folder / "agent")
+    if (folder / "training.yaml").is_file():
+        raise ConfigurationError(
+            f"{folder}: this run has not been finished; name one of its checkpoints, or go on with train.py --resume."
+        )
+    names = ", ".join([*baselines(), *shipped])
+    raise ConfigurationError(f"there is no agent {name_or_folder!r}: give a run folder or one of {names}.")
