@@ -23,8 +23,8 @@ SPEED_M_S: Final = 0.2  # assumed, and fixed: every comparison stands on this tr
 ACCELERATION_M_S2: Final = 0.1  # assumed, and fixed: 0.3 would only add a spike of load at either end
 CENTRED_AT_M: Final = 6.0  # assumed: the last two metres are a straight pull, which straightens the helicopter
 
-YIELD_M_S_PER_N: Final = 5e-6  # k_y: 1.2e-5 ends in a limit cycle at 0.1 s of delay, 8e-6 at 0.2 s
-CENTRING_PER_S: Final = 0.15  # k_c
+YIELD_M_S_PER_N: Final = 4e-6  # k_y: softer is lower in load but ends crooked; limit cycles begin at 8e-6
+CENTRING_PER_S: Final = 0.2  # k_c
 STRAIGHTENING_M_S_PER_RAD: Final = 0.15  # k_psi
 
 

@@ -42,7 +42,7 @@ def catalogue(kind: str) -> list[str]:
 
 def info() -> None:
     """Show versions, the kernel cache and the catalogue."""
-    from ssmash_gym.dynamics.cache import cache_directory
+    from ssmash_gym.dynamics.cache import cache_folder
 
     table = Table(show_header=False, box=None)
     table.add_row("ssmash_gym", ssmash_gym.__version__)
@@ -50,7 +50,7 @@ def info() -> None:
     table.add_row("libraries", ", ".join(f"{name} {installed(name)}" for name in LIBRARIES))
     for extra, names in EXTRAS.items():
         table.add_row(f"extra {extra}", ", ".join(f"{name} {installed(name)}" for name in names))
-    table.add_row("kernel cache", cache_summary(cache_directory()))
+    table.add_row("kernel cache", cache_summary(cache_folder()))
     for kind in CATALOGUE:
         table.add_row(kind, ", ".join(catalogue(kind)) or "-")
     Console().print(table)

@@ -148,12 +148,16 @@ def peak_errors(got: dict[str, float], expected: dict[str, float]) -> dict[str, 
     return {k: abs(got[k] - v) / v for k, v in expected.items() if v > floor[k]}
 
 
-def reference_run(case: Case, helicopter: str, method: Method, beta: float | None = None, rtol: float = 1e-9) -> Reference:
+def reference_run(
+    case: Case, helicopter: str, method: Method, beta: float | None = None, rtol: float = 1e-9
+) -> Reference:
     """Reference history sampled every 2 ms."""
     return integrate(problem(prepared(case, helicopter, 0.002, beta), case), method, rtol=rtol, atol=1e-3 * rtol)
 
 
-def observed_order(case: Case, helicopter: str, steps: Sequence[float], reference: Reference) -> tuple[float, list[float]]:
+def observed_order(
+    case: Case, helicopter: str, steps: Sequence[float], reference: Reference
+) -> tuple[float, list[float]]:
     """Least-squares slope of log error against log step, and the errors (scaled norm of the final state)."""
     final = reference.states[:ODE_ROWS, -1]
     scale = 1e-3 + np.max(np.abs(reference.states[:ODE_ROWS]), axis=1)
@@ -178,7 +182,9 @@ def main() -> None:
                 expected = reference_peaks(reference)
                 cross = max(peak_errors(other, expected).values())
                 _, got = fixed_step(prepared(case, helicopter, 0.002, beta), case)
-                order = "" if beta else f"{observed_order(case, helicopter, (0.001, 0.0005, 0.00025), reference)[0]:.2f}"
+                order = (
+                    "" if beta else f"{observed_order(case, helicopter, (0.001, 0.0005, 0.00025), reference)[0]:.2f}"
+                )
                 errors = ", ".join(f"{k} {100 * e:.3f}" for k, e in peak_errors(got, expected).items())
                 table.add_row(helicopter, case.name, f"{beta or 100.0:g}", order, f"{cross:.1e}", errors)
     Console(width=160).print(table)

@@ -133,13 +133,15 @@ class _KernelCache(FunctionCache):
     _impl_class = _Results
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        # Whatever a damaged file makes of the unpickling, compiling anew is the answer.
-        with contextlib.suppress(Exception):
+        try:
             return super().load_overload(sig, target_context)
-        return None
+        except Exception:  # whatever a damaged file makes of the unpickling, the answer is to compile and start anew
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
             super().save_overload(sig, data)
-        except OSError:
+        except Exception:  # a kernel that is not saved is compiled again next time, no more
             self.disable()

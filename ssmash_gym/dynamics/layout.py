@@ -300,11 +300,15 @@ class Spring(IntEnum):
 
 
 class TireModel(IntEnum):
+    """Law of all tires of a helicopter."""
+
     SMILEY_HORNE = 0
     LINEAR = 1
 
 
 class Friction(IntEnum):
+    """How the friction limit couples the tire forces."""
+
     LIMIT_SURFACE = 0
     FRICTION_CIRCLE = 1
     INDEPENDENT = 2
@@ -318,12 +322,16 @@ class Contact(IntEnum):
 
 
 class ProbeLaw(IntEnum):
+    """In-plane stiffness law of the securing probe."""
+
     POTENTIAL = 0
     ELLIPSE = 1
     PRINTED = 2
 
 
 class ClawDrive(IntEnum):
+    """Where the claw's motion comes from."""
+
     COMMANDED = 0
     PRESCRIBED = 1
 

@@ -6,11 +6,13 @@ substep boundaries), taken between substeps as the parabola it is; everything el
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from ssmash_gym.dynamics import engine
@@ -20,10 +22,8 @@ from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import (
     DECK_ROWS,
     ODE_ROWS,
-    OUTPUT_ROWS,
     STATE_ROWS,
     ClawDrive,
-    Deck,
     Mode,
     Par,
     State,
@@ -119,9 +119,7 @@ class _Claw:
         return np.concatenate([a[:2] + 0.5 * f * self.problem.dt * (a[2:] + velocity), velocity])
 
 
-def integrate(
-    problem: Problem, method: Method = "DOP853", *, rtol: float = 1e-9, atol: ArrayLike = 1e-10
-) -> Reference:
+def integrate(problem: Problem, method: Method = "DOP853", *, rtol: float = 1e-9, atol: float = 1e-10) -> Reference:
     """Integrate one helicopter with a SciPy solver and sample it at every substep boundary.
 
     Capture and loss of the probe are not events here: the status of the start is kept.
@@ -149,7 +147,7 @@ def integrate(
     states = np.empty((STATE_ROWS, times.size))
     states[:] = problem.state[:, None]
     evaluations = 0
-    for first, last in zip(breaks, breaks[1:], strict=False):
+    for first, last in itertools.pairwise(breaks):
         y0 = states[:ODE_ROWS, first]
         grid = times[first : last + 1]
         solution = solve_ivp(rhs, (grid[0], grid[-1]), y0, method, grid, rtol=rtol, atol=atol)
@@ -170,13 +168,10 @@ def _segments(problem: Problem) -> list[int]:
     return list(range(0, total + 1, problem.substeps))
 
 
-def _outputs(problem: Problem, states: Array, times: Array, decks: object) -> Array:
+def _outputs(problem: Problem, states: Array, times: Array, decks: Callable[[float], Array]) -> Array:
     """Kernel outputs at all samples."""
-    assert callable(decks)
     rows = np.empty((DECK_ROWS, times.size))
     for k, t in enumerate(times):
         rows[:, k] = decks(float(t))[:, 0]
     parameters = np.repeat(problem.parameters[:, None], times.size, axis=1)
-    outputs = engine.derivative(states, parameters, problem.mode, rows)[1]
-    assert outputs.shape == (OUTPUT_ROWS, times.size) and rows[Deck.R_NS].size == times.size
-    return outputs
+    return engine.derivative(states, parameters, problem.mode, rows)[1]

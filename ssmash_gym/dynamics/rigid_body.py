@@ -137,8 +137,11 @@ def body_block(mass: Any, t: Any, r: Any, f: Any, tau: Any) -> Any:
     """A body's share of the 6x6 about the helicopter's c.g., H axes, and of its loads.
 
     Args:
-        mass, t, r: mass, inertia (xx, xy, xz, yy, yz, zz) in H axes, position of its c.g. from the helicopter's.
-        f, tau: force and moment about its own c.g. that are left after the bias inertia.
+        mass: its mass.
+        t: its inertia (xx, xy, xz, yy, yz, zz) in H axes.
+        r: position of its c.g. from the helicopter's, H axes.
+        f: force that is left after the bias inertia.
+        tau: moment about its own c.g. that is left after the bias inertia.
 
     Returns:
         ``(A_tt (6), A_rt (9), A_rr (6), f, tau)``; rows t are translation, rows r rotation.

@@ -18,6 +18,7 @@ from ssmash_gym.dynamics.layout import (
     ODE_ROWS,
     OUTPUT_ROWS,
     STATE_ROWS,
+    STATION_COORDINATES,
     STATIONS,
     WORK_ROWS,
     ClawDrive,
@@ -25,7 +26,6 @@ from ssmash_gym.dynamics.layout import (
     Mode,
     Out,
     State,
-    STATION_COORDINATES,
 )
 from ssmash_gym.dynamics.probe import capture
 from ssmash_gym.dynamics.system import attitude_outputs, rates
@@ -136,7 +136,16 @@ def start_second_stage(y: Any, first: Any, stage: Any, h: float) -> None:
 
 @kernel
 def gather_pieces(
-    nodes: Any, claw_nodes: Any, columns: Any, clock: Any, spn: int, spacing: float, claw: int, c: Any, cc: Any, tau: Any,
+    nodes: Any,
+    claw_nodes: Any,
+    columns: Any,
+    clock: Any,
+    spn: int,
+    spacing: float,
+    claw: int,
+    c: Any,
+    cc: Any,
+    tau: Any,
     dt: float,
 ) -> None:
     """Refresh the polynomial pieces of the lanes that have just passed a node, and each lane's time since its node."""
@@ -167,8 +176,23 @@ def prescribe(y: Any, p: Any, mode: Any, c: Any, cc: Any, ripple: int, t: Any, t
 
 @kernel
 def advance_block(
-    y: Any, p: Any, commands: Any, mode: Any, nodes: Any, claw_nodes: Any, columns: Any, clock: Any, history: int,
-    substeps: int, dt: float, spn: int, ripple: int, o: Any, high: Any, low: Any, scratch: Any,
+    y: Any,
+    p: Any,
+    commands: Any,
+    mode: Any,
+    nodes: Any,
+    claw_nodes: Any,
+    columns: Any,
+    clock: Any,
+    history: int,
+    substeps: int,
+    dt: float,
+    spn: int,
+    ripple: int,
+    o: Any,
+    high: Any,
+    low: Any,
+    scratch: Any,
 ) -> None:
     """Advance the lanes of one block by `substeps` of `dt` and leave outputs at the end and extremes over the way.
 
@@ -225,16 +249,31 @@ def finish_step(y: Any, first: Any, dy: Any, stage: Any, clock: Any, h: float) -
     accept(y, stage, clock)
 
 
-SCRATCH_ROWS = (
-    2 * ODE_ROWS + STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
-)
+SCRATCH_ROWS = 2 * ODE_ROWS + STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
 
 
 @kernel
 def advance_columns(
-    state: Any, parameters: Any, commands: Any, mode: Any, nodes: Any, claw_nodes: Any, clocks: Any, columns: Any,
-    first: int, last: int, history: int, substeps: int, dt: float, spn: int, ripple: int, outputs: Any, highs: Any,
-    lows: Any, room: Any, lanes: Any,
+    state: Any,
+    parameters: Any,
+    commands: Any,
+    mode: Any,
+    nodes: Any,
+    claw_nodes: Any,
+    clocks: Any,
+    columns: Any,
+    first: int,
+    last: int,
+    history: int,
+    substeps: int,
+    dt: float,
+    spn: int,
+    ripple: int,
+    outputs: Any,
+    highs: Any,
+    lows: Any,
+    room: Any,
+    lanes: Any,
 ) -> None:
     """Blocks `first` to `last` of the listed columns: gather a block's columns, advance, scatter.
 

@@ -68,9 +68,7 @@ from ssmash_gym.dynamics.vectors import (
 
 
 @kernel
-def rates(
-    y: Any, p: Any, d: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any, gh: float, second: int
-) -> None:
+def rates(y: Any, p: Any, d: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any, gh: float, second: int) -> None:
     """Write the rates of the integrated rows of state `y` to `dy` and the outputs to `o`.
 
     Blocks (row, lane): `y` `State`, `p` `Par`/`Sta`/`Tir`, `d` `Deck`, `w` `Work` scratch; `mode` plain integers.
@@ -78,9 +76,15 @@ def rates(
     its slopes.
     """
     R_NS = (
-        load(d, Deck.R_NS), load(d, Deck.R_NS + 1), load(d, Deck.R_NS + 2),
-        load(d, Deck.R_NS + 3), load(d, Deck.R_NS + 4), load(d, Deck.R_NS + 5),
-        load(d, Deck.R_NS + 6), load(d, Deck.R_NS + 7), load(d, Deck.R_NS + 8),
+        load(d, Deck.R_NS),
+        load(d, Deck.R_NS + 1),
+        load(d, Deck.R_NS + 2),
+        load(d, Deck.R_NS + 3),
+        load(d, Deck.R_NS + 4),
+        load(d, Deck.R_NS + 5),
+        load(d, Deck.R_NS + 6),
+        load(d, Deck.R_NS + 7),
+        load(d, Deck.R_NS + 8),
     )
     R_SH = rotation(load(y, State.Q11), load(y, State.Q12), load(y, State.Q13), load(y, State.Q14))
     w_NS_S = load3(d, Deck.W_NS_S)
@@ -113,15 +117,20 @@ def rates(
 
 
 @kernel
-def body_loads(
-    y: Any, p: Any, d: Any, mode: Any, o: Any, R_NS: Any, R_SH: Any, w_NS_S: Any, w_NH_H: Any
-) -> Any:
+def body_loads(y: Any, p: Any, d: Any, mode: Any, o: Any, R_NS: Any, R_SH: Any, w_NS_S: Any, w_NH_H: Any) -> Any:
     """Force and moment about the c.g. on the helicopter body, H axes: probe, wind, external wrench."""
     r_SH_S = load3(y, State.Q8)
     v_SH_S = load3(y, State.U7)
     held = probe(
-        p, mode[Mode.PROBE_LAW], R_SH, r_SH_S, v_SH_S, load3(y, State.U10), load3(d, Deck.C_CLAW_S),
-        load3(d, Deck.V_CLAW_S), load(y, State.PROBE_CAPTURED),
+        p,
+        mode[Mode.PROBE_LAW],
+        R_SH,
+        r_SH_S,
+        v_SH_S,
+        load3(y, State.U10),
+        load3(d, Deck.C_CLAW_S),
+        load3(d, Deck.V_CLAW_S),
+        load(y, State.PROBE_CAPTURED),
     )
     reads = held[2]
     store3(o, Out.PROBE_FX, held[0])
@@ -149,8 +158,20 @@ def body_loads(
 
 @kernel
 def station(
-    y: Any, p: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any, i: int, gh: float, second: int, R_SH: Any,
-    specific: Any, alpha: Any, w_NH_H: Any,
+    y: Any,
+    p: Any,
+    mode: Any,
+    first: Any,
+    dy: Any,
+    o: Any,
+    w: Any,
+    i: int,
+    gh: float,
+    second: int,
+    R_SH: Any,
+    specific: Any,
+    alpha: Any,
+    w_NH_H: Any,
 ) -> Any:
     """One suspension station: tires, strut, steering; writes its joint block and tire rates.
 
@@ -239,16 +260,33 @@ def wheel_loads(
         v_ST_S = add(v_SW_S, cross(w_SW_S, r_WT_S))
         height = -(r_SW_S[2] + r_WT_S[2])
         result = tire(
-            p, tbase, mode[Mode.TIRE_MODEL], mode[Mode.FRICTION], mode[Mode.CONTACT], r_WT_S, height, v_ST_S,
-            w_SW_S, wy_S, load(y, row), load(y, row + 1), load(y, row + 2), lock,
+            p,
+            tbase,
+            mode[Mode.TIRE_MODEL],
+            mode[Mode.FRICTION],
+            mode[Mode.CONTACT],
+            r_WT_S,
+            height,
+            v_ST_S,
+            w_SW_S,
+            wy_S,
+            load(y, row),
+            load(y, row + 1),
+            load(y, row + 2),
+            lock,
         )
         force = add(force, result[0])
         moment = add(moment, result[1])
         store3(dy, row, result[2])
         fz, fy, fx, dz, d_y, d_x, psi, used = result[3]
         total = (
-            total[0] + fz, total[1] + fy, total[2] + fx, total[3] + share * maximum(dz, 0.0),
-            total[4] + share * d_y, total[5] + share * d_x, total[6] + share * psi,
+            total[0] + fz,
+            total[1] + fy,
+            total[2] + fx,
+            total[3] + share * maximum(dz, 0.0),
+            total[4] + share * d_y,
+            total[5] + share * d_x,
+            total[6] + share * psi,
             total[7] + share * (r_SW_S[0] + r_WT_S[0]),
         )
         contact_y = contact_y + share * (r_SW_S[1] + r_WT_S[1])

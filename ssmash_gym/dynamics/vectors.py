@@ -15,21 +15,25 @@ Matrix = Any  # 9-tuple of numbers
 
 @kernel
 def add(a: Vector, b: Vector) -> Vector:
+    """``a + b``."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @kernel
 def sub(a: Vector, b: Vector) -> Vector:
+    """``a - b``."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @kernel
 def scale(s: Any, a: Vector) -> Vector:
+    """``s a``."""
     return (s * a[0], s * a[1], s * a[2])
 
 
 @kernel
 def dot(a: Vector, b: Vector) -> Any:
+    """``a . b``."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -93,11 +97,13 @@ def rotation(e0: Any, e1: Any, e2: Any, e3: Any) -> Matrix:
 
 @kernel
 def load3(block: Any, row: int) -> Vector:
+    """Vector in three rows of a block."""
     return (load(block, row), load(block, row + 1), load(block, row + 2))
 
 
 @kernel
 def store3(block: Any, row: int, v: Vector) -> None:
+    """Write a vector to three rows of a block."""
     store(block, row, v[0])
     store(block, row + 1, v[1])
     store(block, row + 2, v[2])

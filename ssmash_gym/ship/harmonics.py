@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import erfc
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import FloatArray
@@ -125,6 +124,8 @@ def spectrum_bins(count: int) -> tuple[FloatArray, FloatArray]:
     Returns:
         Edges (count + 1,) in units of the peak frequency, and energies (count,) that add up to one.
     """
+    from scipy.special import erfc  # here, so that importing the package stays quick
+
     grid = np.linspace(LOWEST, HIGHEST, 4001)
     energy, rate = np.exp(-1.25 * grid**-4.0), erfc(np.sqrt(1.25) * grid**-2.0)
     share = 0.5 * (energy - energy[0]) / (energy[-1] - energy[0]) + 0.5 * (rate - rate[0]) / (rate[-1] - rate[0])

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import make_interp_spline
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import (
@@ -71,6 +70,8 @@ class RecordedMotion(Motion):
     def __init__(
         self, record: ShipmoRecord, rates: Rates = "body", order: EulerOrder = "zyx", *, detrend: bool = False
     ):
+        from scipy.interpolate import make_interp_spline  # here, so that importing the package stays quick
+
         n = len(record.angles)
         time = record.step_s * np.arange(n)
         given = np.unwrap(record.angles, axis=0)

@@ -168,7 +168,7 @@ class Batch:
     @property
     def time_s(self) -> Array:
         """Time since the start of each column's deck-motion table [s], (N,)."""
-        return self.clocks * self.timing.substep_s
+        return np.asarray(self.clocks * self.timing.substep_s, dtype=np.float64)
 
     @property
     def nodes(self) -> Array:
@@ -229,7 +229,10 @@ class Batch:
         """Settle the listed columns on the deck as it stands, probe point over (x, y), and bring the claw there.
 
         Args:
-            x, y: position of the probe point in S [m]; yaw: heading relative to the track [rad]; scalars or (n,).
+            x: position of the probe point along the track [m], scalar or (n,).
+            y: the same across the track [m].
+            yaw: heading relative to the track [rad].
+            columns: helicopters; None means all.
 
         Returns:
             Largest remaining acceleration of each column [m/s2 or rad/s2], (n,); see `settle`.
@@ -285,6 +288,7 @@ class Batch:
         Args:
             command: (n, 2) normalised claw velocity, along and across the track; None holds the claw. Values
                 beyond +-1 are the caller's fault.
+            columns: helicopters; None means all.
             intervals: whole control intervals to run under the same command; extremes cover all of them.
 
         Returns:

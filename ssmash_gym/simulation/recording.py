@@ -77,6 +77,7 @@ class Recorder:
         """Write the Parquet file whole or not at all.
 
         Args:
+            path: file to write.
             configuration: the resolved configuration, JSON-able: what made this recording (with seed and version).
         """
         from ssmash_gym import __version__

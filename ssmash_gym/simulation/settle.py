@@ -12,20 +12,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics import engine
+from ssmash_gym.dynamics import engine, vectors
+from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import (
     SPEEDS,
     STATION_COORDINATES,
     STATION_OUT,
     STATION_OUT_ROWS,
+    STATION_ROWS,
     STATIONS,
+    TIRE_PAR,
+    TIRE_ROWS,
     ClawDrive,
+    Deck,
     Mode,
     Out,
     Par,
+    Sta,
     StaOut,
     State,
     StationKind,
+    Tir,
 )
 
 if TYPE_CHECKING:
@@ -33,6 +40,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
+_rotation = uncompiled(vectors.rotation)
+_apply = uncompiled(vectors.apply)
 _HELD = (0, 1, 5, 7, 9, 11)  # u7, u8, u12 and the steer rates: what stays put while the helicopter is lowered
 _RESIDUAL = np.array([2, 3, 4, 6, 8, 10])  # u9', u10', u11' and the three strokes
 _RELAX_S = 0.02  # between two removals of kinetic energy
@@ -82,15 +91,12 @@ def lower(batch: Batch, columns: Columns) -> None:
 
 def ground_clearance(batch: Batch, columns: Columns) -> Array:
     """Height of the lowest tire above the deck plane for the present attitude [m], (n,)."""
-    from ssmash_gym.dynamics.layout import STATION_ROWS, TIRE_PAR, TIRE_ROWS, Sta, Tir
-    from ssmash_gym.dynamics.vectors import apply, rotation
-
     state, p = batch.state[:, columns], batch.parameters[:, columns]
-    R_SH = plain(rotation)(*state[State.Q11 : State.Q11 + 4])
+    R_SH = _rotation(*state[State.Q11 : State.Q11 + 4])
     lowest = np.full(columns.size, -np.inf)
     for i in range(STATIONS):
         row, base = State.Q15 + STATION_COORDINATES * i, Par.STATION + i * STATION_ROWS
-        R_HO = plain(rotation)(*state[row + 1 : row + 5])
+        R_HO = _rotation(*state[row + 1 : row + 5])
         for k in range(batch.mode[Mode.TIRES + i]):
             tire = TIRE_PAR + (2 * i + k) * TIRE_ROWS
             r_OT_O = (
@@ -98,18 +104,11 @@ def ground_clearance(batch: Batch, columns: Columns) -> Array:
                 p[base + Sta.DROOP + 1] + p[tire + Tir.Y],
                 state[row] + p[tire + Tir.Z],
             )
-            r_OT_H = plain(apply)(R_HO, r_OT_O)
+            r_OT_H = _apply(R_HO, r_OT_O)
             r_HT_H = tuple(p[base + Sta.MOUNT + a] + r_OT_H[a] for a in range(3))
-            depth = plain(apply)(R_SH, r_HT_H)[2] + 0.5 * p[tire + Tir.DIAMETER]
+            depth = _apply(R_SH, r_HT_H)[2] + 0.5 * p[tire + Tir.DIAMETER]
             lowest = np.maximum(lowest, state[State.Q10] + depth)
     return np.asarray(-lowest)
-
-
-def plain(kernel: object) -> object:
-    """The kernel's uncompiled twin, for use on NumPy arrays."""
-    from ssmash_gym.dynamics.lane import uncompiled
-
-    return uncompiled(kernel)
 
 
 def relax(batch: Batch, columns: Columns, seconds: float) -> None:
@@ -135,15 +134,11 @@ def relax(batch: Batch, columns: Columns, seconds: float) -> None:
 
 def deck_angles(decks: Array) -> Array:
     """Roll, pitch, yaw rows of `Deck`, (3, n)."""
-    from ssmash_gym.dynamics.layout import Deck
-
     return decks[Deck.ANGLES : Deck.ANGLES + 3]
 
 
 def still_decks(batch: Batch, columns: Columns) -> Array:
     """`Deck` rows with the present attitude and no motion, claw where it is and at rest."""
-    from ssmash_gym.dynamics.layout import Deck
-
     decks = batch.deck_rows(columns)
     decks[Deck.W_NS_S : Deck.C_CLAW_S] = 0.0
     decks[Deck.V_CLAW_S : Deck.V_CLAW_S + 3] = 0.0

@@ -96,7 +96,8 @@ class Telemetry:
     def __getitem__(self, name: str) -> Array:
         """Value at the end of the interval, (N,)."""
         c = channel(name)
-        return (self.outputs if c.has_peaks else self.state)[c.row].copy()
+        table = self.outputs if c.has_peaks else self.state
+        return np.array(table[c.row])
 
     def peak_max(self, name: str) -> Array:
         """Largest value within the interval, (N,).
@@ -118,4 +119,4 @@ class Telemetry:
         c = channel(name)
         if not c.has_peaks:
             raise KeyError(f"channel {name!r} is a state: it has no extremes within an interval")
-        return table[c.row].copy()
+        return np.array(table[c.row])

@@ -39,7 +39,7 @@ def save_checkpoint(folder: Path, model: Any, config: TrainingConfig, about: dic
     wrapper = model.env
     native = wrapper.venv
     with whole_folder(folder) as temporary:
-        save_agent(temporary / "agent", model, wrapper, config, native.task, native.scenario, about)
+        save_agent(temporary / "agent", model, wrapper, config, native.core.task, native.core.scenario, about)
         for path in (temporary / "agent").iterdir():
             path.rename(temporary / path.name)
         (temporary / "agent").rmdir()
@@ -77,8 +77,6 @@ def load_checkpoint(folder: Path, model: Any) -> None:
     wrapper = model.env
     native = wrapper.venv
     model.set_parameters(folder / "policy.zip", exact_match=True, device="cpu")
-    Normaliser.read(folder / "normaliser.json").into(wrapper)
-    wrapper.reset()
     native.restore(pickle.loads((folder / ENVIRONMENT).read_bytes()))
     state = json.loads((folder / STATE).read_text(encoding="utf-8"))
     model.num_timesteps, model._n_updates = state["steps"], state["updates"]
@@ -89,7 +87,7 @@ def load_checkpoint(folder: Path, model: Any) -> None:
         torch.set_rng_state(torch.from_numpy(arrays["torch"].copy()))
         kind, place, has_gauss, gauss = state["numpy"]
         np.random.set_state((kind, arrays["numpy_keys"].copy(), place, has_gauss, gauss))
-    Normaliser.read(folder / "normaliser.json").into(wrapper)  # the reset above has moved the moments
+    Normaliser.read(folder / "normaliser.json").into(wrapper)
 
 
 def checkpoints(run: Path) -> list[Path]:

@@ -40,7 +40,7 @@ def make_environment(config: TrainingConfig) -> Any:
         clip_reward=config.normalise.clip,
         gamma=config.ppo.gamma,
     )
-    native.seed(block(config.seed, TRAINING, section.count))
+    native._seeds = block(config.seed, TRAINING, section.count)  # `seed` could only count up from one number
     return wrapper
 
 

@@ -78,9 +78,9 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
     model = make_model(settings, environment)
     if resumed:
         load_checkpoint(newest(run), model)
-    native = environment.venv
-    about = describe(settings, native)
-    write_run(run, settings, native, about)
+    core = environment.venv.core
+    about = describe(settings, core)
+    write_run(run, settings, core, about)
     point_to(run)
 
     def save() -> None:
@@ -100,7 +100,7 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
     if finished:
         save()
         card = about | {"steps": model.num_timesteps}
-        save_agent(run / "agent", model, environment, settings, native.task, native.scenario, card)
+        save_agent(run / "agent", model, environment, settings, core.task, core.scenario, card)
         console.print(f"trained for {model.num_timesteps:,} steps: {shown(run / 'agent')}")
     else:
         console.print(f"stopped at {model.num_timesteps:,} steps; go on with: train.py --resume {shown(run)}")
@@ -108,12 +108,12 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
     return finished
 
 
-def describe(settings: TrainingConfig, native: Any) -> dict[str, Any]:
+def describe(settings: TrainingConfig, core: Any) -> dict[str, Any]:
     """Where the run comes from: versions, seed, fingerprint of the resolved configuration."""
     return {
         "versions": {"ssmash_gym": ssmash_gym.__version__, "python": platform.python_version(), **library_versions()},
         "seed": settings.seed,
-        "configuration": fingerprint(settings, native.task, native.scenario),
+        "configuration": fingerprint(settings, core.task, core.scenario),
     }
 
 
@@ -128,9 +128,9 @@ def library_versions() -> dict[str, str]:
     return found
 
 
-def write_run(run: Path, settings: TrainingConfig, native: Any, about: dict[str, Any]) -> None:
+def write_run(run: Path, settings: TrainingConfig, core: Any, about: dict[str, Any]) -> None:
     """Write the resolved configuration into the run folder."""
-    for name, section in (("training", settings), ("task", native.task), ("scenario", native.scenario)):
+    for name, section in (("training", settings), ("task", core.task), ("scenario", core.scenario)):
         write_text(run / f"{name}.yaml", write_yaml(section.model_dump(mode="json")))
     write_text(run / "run.json", json.dumps(about, indent=1) + "\n")
 

@@ -285,6 +285,7 @@ def twice(x: Any) -> Any:
     return x + x
 
 
+@compiled_only
 def test_uncompiled_twins_follow_calls_and_are_made_once() -> None:
     inner = twice
 

@@ -45,18 +45,18 @@ QUARTERS = np.arange(1, 6300) * (np.pi / 2)
 CASES: dict[str, tuple[str, Callable[..., Any], np.ndarray, float]] = {
     "exp everywhere": ("exp", np.exp, spread(-707.9, 709.7), 1),
     "exp near zero": ("exp", np.exp, signed(decades(-12, 0)), 1),
-    "expm1 everywhere": ("expm1", np.expm1, spread(-70.0, 708.9), 2),
-    "expm1 near zero": ("expm1", np.expm1, signed(decades(-300, 0.5)), 2),
+    "expm1 everywhere": ("expm1", np.expm1, spread(-70.0, 708.9), 2.5),
+    "expm1 near zero": ("expm1", np.expm1, signed(decades(-300, 0.5)), 2.5),
     "log everywhere": ("log", np.log, decades(-307, 308), 1),
     "log near one": ("log", np.log, 1.0 + signed(decades(-15, -0.5)), 1),
     "cbrt everywhere": ("cbrt", np.cbrt, decades(-307, 308), 1),
     "cbrt of ordinary numbers": ("cbrt", np.cbrt, spread(0.01, 64.0), 1),
-    "sin": ("sin", np.sin, spread(-1e4, 1e4), 2),
-    "sin of small angles": ("sin", np.sin, signed(decades(-300, 0.5)), 2),
-    "sin at its zeros": ("sin", np.sin, QUARTERS, 2),
-    "sin of large angles": ("sin", np.sin, spread(-1e6, 1e6), 2),
-    "cos": ("cos", np.cos, spread(-1e4, 1e4), 2),
-    "cos at its zeros": ("cos", np.cos, QUARTERS, 2),
+    "sin": ("sin", np.sin, spread(-1e4, 1e4), 2.5),
+    "sin of small angles": ("sin", np.sin, signed(decades(-300, 0.5)), 2.5),
+    "sin at its zeros": ("sin", np.sin, QUARTERS, 2.5),
+    "sin of large angles": ("sin", np.sin, spread(-1e6, 1e6), 2.5),
+    "cos": ("cos", np.cos, spread(-1e4, 1e4), 2.5),
+    "cos at its zeros": ("cos", np.cos, QUARTERS, 2.5),
     "asin": ("asin", np.arcsin, spread(-1.0, 1.0), 3),
     "asin near one": ("asin", np.arcsin, signed(1.0 - decades(-16, -0.1)), 3),
     "asin of small numbers": ("asin", np.arcsin, signed(decades(-300, 0)), 3),
@@ -82,7 +82,7 @@ def test_power_error_grows_with_the_exponent_only() -> None:
     x, y = decades(-3, 3), spread(-4.0, 4.0)[::-1]
     wanted = np.power(x, y)
     error = np.abs(PLAIN["power"](x, y) - wanted) / np.spacing(wanted)
-    assert np.all(error <= 2.0 * (1.0 + np.abs(y * np.log(x))) + 1.0)
+    assert np.all(error <= 3.0 + 1.5 * np.abs(y * np.log(x)) + 1.0)
 
 
 def test_exact_values() -> None:
