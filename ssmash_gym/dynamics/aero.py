@@ -22,7 +22,7 @@ def wind(p: Any, R_NH: Matrix, v_NCP_H: Vector) -> Vector:
     Returns:
         Force at the centre of pressure, H axes [N].
     """
-    relative = sub(apply_t(R_NH, load3(p, Par.WIND)), v_NCP_H)  # (2.201)
+    relative = sub(apply_t(R_NH, load3(p, Par.WIND)), v_NCP_H)  # (2.196), (2.201)
     pressure = 0.5 * load(p, Par.AIR_DENSITY) * sqrt(dot(relative, relative))
     area = load3(p, Par.AREA)
     return (

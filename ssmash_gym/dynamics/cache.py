@@ -2,9 +2,9 @@
 
 Numba's own cache looks at the file of the function that is called and not at the files of the functions it calls, so
 that an edited kernel could run stale. Here the key is a fingerprint of all kernel sources, of the versions of Numba,
-llvmlite, NumPy and Python, of the lane width, of the processor and of the compiler's settings. Each fingerprint has its
-folder below the user's cache folder; the newest few are kept. Only the kernels given to `enable_kernel_cache` are
-touched: Numba's settings and other caches stay as they are.
+llvmlite, NumPy and Python, of the processor and of the compiler's settings. Each fingerprint has its folder below the
+user's cache folder; the newest few are kept. Only the kernels given to `enable_kernel_cache` are touched: Numba's
+settings and other caches stay as they are.
 """
 
 # Numba is typed in part only.
@@ -28,8 +28,6 @@ from llvmlite import binding
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.dispatcher import Dispatcher
 from numba.misc.appdirs import AppDirs
-
-from ssmash_gym.dynamics.primitives import WIDTH
 
 SOURCES: Final = Path(__file__).resolve().parent
 KEPT: Final = 3  # folders of fingerprints, the one in use included
@@ -68,7 +66,6 @@ def fingerprint() -> str:
         numba.__version__,
         llvmlite.__version__,
         np.__version__,
-        WIDTH,
         binding.get_process_triple(),
         numba.config.CPU_NAME or binding.get_host_cpu_name(),
         numba.config.CPU_FEATURES or sorted(binding.get_host_cpu_features().items()),

@@ -67,8 +67,8 @@ def deck_kinematics(c: Any, t: Any, d: Any) -> None:
     phi = quintic(c, 3, t)
     theta = quintic(c, 4, t)
     psi = quintic(c, 5, t)
-    store3(d, Deck.V_NS_N, (x[1], y[1], z[1]))
-    store3(d, Deck.A_NS_N, (x[2], y[2], z[2]))
+    store3(d, Deck.V_NS_N, (x[1], y[1], z[1]))  # (2.19)
+    store3(d, Deck.A_NS_N, (x[2], y[2], z[2]))  # (2.74)
     store3(d, Deck.ANGLES, (phi[0], theta[0], psi[0]))
     attitude(d, phi, theta, psi)
 
@@ -88,10 +88,10 @@ def attitude(d: Any, phi: Any, theta: Any, psi: Any) -> None:
     dphi = phi[1]
     dth = theta[1]
     dpsi = psi[1]
-    store3(d, Deck.W_NS_S, (dphi - dpsi * st, dth * cp + dpsi * ct * sp, dpsi * ct * cp - dth * sp))
+    store3(d, Deck.W_NS_S, (dphi - dpsi * st, dth * cp + dpsi * ct * sp, dpsi * ct * cp - dth * sp))  # (2.20)
     store3(
         d,
-        Deck.WDOT_NS_S,
+        Deck.WDOT_NS_S,  # (2.79)
         (
             phi[2] - psi[2] * st - dpsi * ct * dth,
             theta[2] * cp - dth * sp * dphi + psi[2] * ct * sp + dpsi * (ct * cp * dphi - st * sp * dth),

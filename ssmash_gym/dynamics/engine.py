@@ -2,6 +2,7 @@
 
 The result of a column depends neither on its neighbours, nor on the batch size, nor on the number of threads: a
 block of lanes computes each lane by itself, and blocks are handed to a thread pool (the kernels hold no lock).
+Large batches run on wider lanes than small ones, for speed: the bits are the same.
 """
 
 from __future__ import annotations
@@ -9,20 +10,29 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import stepper
 from ssmash_gym.dynamics.cache import enable_kernel_cache
-from ssmash_gym.dynamics.lane import WIDTH
+from ssmash_gym.dynamics.lane import WIDTH, of_width
 from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, OUTPUT_ROWS, Par
 
 Array = NDArray[np.float64]
 
-enable_kernel_cache(stepper.advance_columns)
-enable_kernel_cache(stepper.rates_columns)
-enable_kernel_cache(stepper.deck_columns)
+WIDE: Final = 8  # numbers in a lane for batches of more than `WIDTH` helicopters
+_advance_widths: set[int] = set()  # that `advance` has been called for
+
+
+@cache
+def _kernel(function: Any, width: int) -> Any:
+    """A kernel on lanes of this width; compiled, or loaded from disk, when it is first called."""
+    kernel = of_width(function, width)
+    enable_kernel_cache(kernel)
+    return kernel
 
 
 @cache
@@ -56,22 +66,32 @@ def advance(
     """Advance the listed columns in place by ``substeps * dt`` seconds.
 
     Args:
-        state: (STATE_ROWS, N); advanced in place, as are `clocks` (N,), the substeps since each table's start.
-        parameters: (PARAMETER_ROWS, N), SI.
-        commands: (2 * history, N) normalised claw commands, newest first, rows x, y, x, y...
-        mode: (MODES,) integers of the batch.
-        nodes: (N, nodes, 18) deck motion; claw_nodes: (N, nodes, 9) prescribed claw (ignored when commanded).
-        columns: helicopters to advance.
-        outputs, highs, lows: (OUTPUT_ROWS, N), written: outputs at the end, extremes over all substeps.
-        threads: workers; the result does not depend on it.
+        state: Rows `layout.State`, (STATE_ROWS, N); advanced in place.
+        parameters: Rows `layout.Par`, `layout.Sta`, `layout.Tir`, (PARAMETER_ROWS, N), SI.
+        commands: Normalised claw commands, newest first, rows x, y, x, y..., (2 * history, N).
+        mode: Integers of the batch, `layout.Mode`, (MODES,).
+        nodes: Deck motion, (N, nodes, 18).
+        claw_nodes: Prescribed claw, (N, nodes, 9); ignored when the claw is commanded.
+        clocks: Substeps since each table's start, (N,); advanced in place.
+        columns: Helicopters to advance.
+        substeps: How many.
+        dt: Length of a substep [s].
+        substeps_per_node: Substeps from one node of the tables to the next.
+        outputs: Written: outputs at the end, (OUTPUT_ROWS, N).
+        highs: Written: largest values over all substeps, (OUTPUT_ROWS, N).
+        lows: Written: smallest values over all substeps, (OUTPUT_ROWS, N).
+        threads: Workers; the result does not depend on it.
     """
-    blocks = -(-columns.size // WIDTH)
+    width = WIDE if state.shape[1] > WIDTH else WIDTH  # by the batch, so that a batch needs one kernel only
+    _advance_widths.add(width)
+    kernel = _kernel(stepper.advance_columns, width)
+    blocks = -(-columns.size // width)
     history = commands.shape[0] // 2
     ripple = int(np.any(parameters[_RIPPLE]))
 
     def run(first: int, last: int) -> None:
-        room, lanes = _workspace(stepper.advance_room(parameters.shape[0], commands.shape[0]))
-        stepper.advance_columns(
+        room, lanes = _workspace(stepper.advance_room(parameters.shape[0], commands.shape[0]), width)
+        kernel(
             state, parameters, commands, mode, nodes, claw_nodes, clocks, columns, first, last, history, substeps,
             dt, substeps_per_node, ripple, outputs, highs, lows, room, lanes,
         )  # fmt: skip
@@ -81,24 +101,28 @@ def advance(
         run(0, blocks)
         return
     bounds = [blocks * k // workers for k in range(workers + 1)]
-    for job in [_pool(workers).submit(run, a, b) for a, b in zip(bounds, bounds[1:], strict=False)]:
+    for job in [_pool(workers).submit(run, a, b) for a, b in pairwise(bounds)]:
         job.result()
 
 
 _RIPPLE = slice(int(Par.RIPPLE_X), int(Par.RIPPLE_X) + 2)
 
 
-def _workspace(rows: int) -> tuple[Array, NDArray[np.int64]]:
-    return np.zeros((rows, WIDTH)), np.zeros((2, WIDTH), np.int64)
+def _workspace(rows: int, width: int) -> tuple[Array, NDArray[np.int64]]:
+    return np.zeros((rows, width)), np.zeros((2, width), np.int64)
 
 
 def derivative(state: Array, parameters: Array, mode: NDArray[np.int64], decks: Array) -> tuple[Array, Array]:
     """Plain right-hand side: rates (ODE_ROWS, N) and outputs (OUTPUT_ROWS, N) for given `Deck` rows (DECK_ROWS, N)."""
     n = state.shape[1]
+    # One layout in memory: Numba compiles a kernel anew for every combination of layouts.
+    state, parameters, decks = (np.ascontiguousarray(table) for table in (state, parameters, decks))
     rates = np.zeros((ODE_ROWS, n))
     outputs = np.zeros((OUTPUT_ROWS, n))
-    room, lanes = _workspace(stepper.rates_room(parameters.shape[0]))
-    stepper.rates_columns(state, parameters, mode, decks, rates, outputs, room, lanes)
+    # The width that this process has kernels for anyway: most of their code is compiled then.
+    width = WIDE if _advance_widths == {WIDE} else WIDTH
+    room, lanes = _workspace(stepper.rates_room(parameters.shape[0]), width)
+    _kernel(stepper.rates_columns, width)(state, parameters, mode, decks, rates, outputs, room, lanes)
     return rates, outputs
 
 
@@ -106,6 +130,6 @@ def deck_rows(nodes: Array, time_s: float, spacing_s: float) -> Array:
     """`Deck` rows (DECK_ROWS, N) of every helicopter's table at one time; the claw's rows are left zero."""
     decks = np.zeros((DECK_ROWS, nodes.shape[0]))
     piece = min(int(time_s / spacing_s), nodes.shape[1] - 2)
-    room, lanes = _workspace(stepper.DECK_ROOM)
-    stepper.deck_columns(nodes, piece, time_s - piece * spacing_s, spacing_s, decks, room, lanes)
+    room, lanes = _workspace(stepper.DECK_ROOM, WIDTH)
+    _kernel(stepper.deck_columns, WIDTH)(nodes, piece, time_s - piece * spacing_s, spacing_s, decks, room, lanes)
     return decks

@@ -1,9 +1,9 @@
-"""Kernels: the decorator, the primitives by one name, and the uncompiled twin of every kernel.
+"""Kernels: the decorator, the primitives by one name, and the twins of every kernel.
 
 A kernel is a function of *numbers*: lanes when compiled (`WIDTH` doubles worked on together), NumPy arrays of shape
 ``(W,)`` or single floats when not. The same source gives the same bits both ways. With the environment variable
-``NUMBA_DISABLE_JIT=1`` every kernel is plain Python; `uncompiled` gives the plain Python of one kernel, and of all
-that it calls, beside the compiled one.
+``NUMBA_DISABLE_JIT=1`` every kernel is plain Python. Twins are made from one kernel and all that it calls:
+`uncompiled` gives its plain Python beside the compiled kernel, `of_width` the kernel on lanes of another width.
 """
 
 # Numba is typed in part only.
@@ -20,7 +20,9 @@ from numba.core.dispatcher import Dispatcher
 
 from ssmash_gym.dynamics.compiler import KernelDispatcher
 from ssmash_gym.dynamics.primitives import (
+    OF_WIDTH,
     WIDTH,
+    WIDTHS,
     any_lane,
     copysign,
     exponent,
@@ -49,6 +51,7 @@ __all__ = [
     "mantissa",
     "maximum",
     "minimum",
+    "of_width",
     "pow2",
     "splat",
     "sqrt",
@@ -77,18 +80,45 @@ def uncompiled(compiled: Any) -> Callable[..., Any]:
     through attributes of modules). The twin works on NumPy arrays of shape ``(W,)`` for any ``W``, and on floats.
     A plain function is rebuilt in the same way.
     """
+    return _rebuilt(compiled, lambda value: uncompiled(value) if isinstance(value, Dispatcher) else value)
+
+
+@functools.cache
+def of_width(compiled: Any, width: int) -> Any:
+    """Twin of a kernel, compiled for lanes of another width; the bits are the same, only the speed is not.
+
+    All tables that it loads rows from or stores rows to must have ``width`` columns. Kernels are followed as by
+    `uncompiled`. The kernel itself for `WIDTH`; a plain function (``NUMBA_DISABLE_JIT=1``) works for all widths.
+
+    Raises:
+        ValueError: there are no lanes of this width.
+    """
+    if width not in WIDTHS:
+        raise ValueError(f"lane width {width}: must be one of {', '.join(map(str, WIDTHS))}")
+    if width == WIDTH or not isinstance(compiled, Dispatcher):
+        return compiled
+
+    def replace(value: Any) -> Any:
+        if isinstance(value, FunctionType) and value in OF_WIDTH:
+            return OF_WIDTH[value][width]
+        return of_width(value, width) if isinstance(value, Dispatcher) else value
+
+    twin = _rebuilt(compiled, replace)
+    twin.__qualname__ += f"_{width}"  # names the machine code, in memory and on disk
+    return KernelDispatcher(twin)
+
+
+def _rebuilt(compiled: Any, replace: Callable[[Any], Any]) -> FunctionType:
+    """Plain Python function of a kernel, every global and enclosing value that it uses replaced."""
     function: FunctionType = compiled.py_func if isinstance(compiled, Dispatcher) else compiled
     names = _names(function.__code__) & function.__globals__.keys()
     namespace = dict(function.__globals__)
-    namespace.update({name: _plain(namespace[name]) for name in names})
-    closure = tuple(CellType(_plain(cell.cell_contents)) for cell in function.__closure__ or ())
+    namespace.update({name: replace(namespace[name]) for name in names})
+    closure = tuple(CellType(replace(cell.cell_contents)) for cell in function.__closure__ or ())
     twin = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__, closure)
     twin.__kwdefaults__ = function.__kwdefaults__
-    return functools.update_wrapper(twin, function)
-
-
-def _plain(value: Any) -> Any:
-    return uncompiled(value) if isinstance(value, Dispatcher) else value
+    functools.update_wrapper(twin, function)
+    return twin
 
 
 def _names(code: CodeType) -> set[str]:

@@ -23,31 +23,31 @@ class State(IntEnum):
     The first `ODE_ROWS` rows are integrated; the rest is advanced by its own rules (claw drive, capture).
     """
 
-    U7 = 0  # helicopter velocity over the ship, S axes [m/s] (u7-u9)
+    U7 = 0  # (2.21) helicopter velocity over the ship, S axes [m/s] (u7-u9)
     U8 = 1
     U9 = 2
-    U10 = 3  # helicopter angular velocity relative to the ship, H axes [rad/s] (u10-u12)
+    U10 = 3  # (2.22) helicopter angular velocity relative to the ship, H axes [rad/s] (u10-u12)
     U11 = 4
     U12 = 5
-    U13 = 6  # station 1: slide speed along o_z [m/s] or swing-arm rate about o_y [rad/s]
-    U14 = 7  # station 1: steer rate about o_z [rad/s]
-    U15 = 8
-    U16 = 9
-    U17 = 10
-    U18 = 11
-    Q8 = 12  # helicopter position r_SH_S [m] (q8-q10)
+    U13 = 6  # (2.23) station 1: slide speed along o_z [m/s] or swing-arm rate about o_y [rad/s]
+    U14 = 7  # (2.24) station 1: steer rate about o_z [rad/s]
+    U15 = 8  # (2.25) station 2
+    U16 = 9  # (2.26)
+    U17 = 10  # (2.27) station 3
+    U18 = 11  # (2.28)
+    Q8 = 12  # (2.11) helicopter position r_SH_S [m] (q8-q10)
     Q9 = 13
     Q10 = 14
-    Q11 = 15  # Euler parameters H -> S (q11-q14)
+    Q11 = 15  # (2.12) Euler parameters H -> S (q11-q14)
     Q12 = 16
     Q13 = 17
     Q14 = 18
-    Q15 = 19  # station 1: distance O1 -> W1 along o_z [m], then Euler parameters O1 -> H
-    Q16 = 20
-    Q20 = 24  # station 2
-    Q21 = 25
-    Q25 = 29  # station 3
-    Q26 = 30
+    Q15 = 19  # (2.13) station 1: distance O1 -> W1 along o_z [m], then Euler parameters O1 -> H
+    Q16 = 20  # (2.14)
+    Q20 = 24  # (2.15) station 2
+    Q21 = 25  # (2.16)
+    Q25 = 29  # (2.17) station 3
+    Q26 = 30  # (2.18)
     TIRE = 34  # 6 tires x (d_x [m], d_y [m], psi [rad])
     CLAW_X = 52  # claw position and velocity in S [m], [m/s], ripple not included
     CLAW_Y = 53

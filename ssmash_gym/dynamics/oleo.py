@@ -36,7 +36,7 @@ def friction_slope(beta: Any, w: Any, inverse: Any) -> Any:
     Returns:
         The secant slope; it tends to ``beta`` at rest.
     """
-    return -expm1(-(beta * w)) * inverse
+    return -expm1(-(beta * w)) * inverse  # (2.8)
 
 
 @kernel
@@ -152,8 +152,8 @@ def gas_law(pressure: Any, volume: Any, area: Any, gamma: Any, x: Any, p_ref: An
         raise ValueError(
             f"oleo: compression {np.max(x):g} m must be less than gas_v / gas_a = {np.min(volume / area):g} m"
         )
-    gas = pressure * area * left**-gamma
-    return gas - p_ref * area, gas * gamma * area / (volume * left)
+    gas = pressure * area * left**-gamma  # (2.208)
+    return gas - p_ref * area, gas * gamma * area / (volume * left)  # (2.209)
 
 
 def force_at(pressure: Any, volume: Any, area: Any, gamma: Any, x: Any, p_ref: Any = 0.0) -> Any:

@@ -9,13 +9,15 @@ Everything above (`ssmash_gym.dynamics.maths` and the kernels) is written once, 
 
 from __future__ import annotations
 
-import os
+from types import FunctionType
 from typing import Any, Final
 
 import numpy as np
 
 __all__ = [
+    "OF_WIDTH",
     "WIDTH",
+    "WIDTHS",
     "any_lane",
     "copysign",
     "exponent",
@@ -33,14 +35,8 @@ __all__ = [
 ]
 
 
-def _read_width() -> int:
-    text = os.environ.get("SSMASH_LANE_WIDTH", "4")
-    if text not in ("1", "2", "4", "8"):
-        raise ValueError(f"environment variable SSMASH_LANE_WIDTH is {text!r}; allowed are 1, 2, 4 and 8")
-    return int(text)
-
-
-WIDTH: Final = _read_width()  # numbers in a lane
+WIDTH: Final = 4  # numbers in a lane
+WIDTHS: Final = (1, 2, 4, 8)  # of all lanes there are
 
 ROUNDER: Final = 6755399441055744.0  # 1.5 * 2**52: adding it leaves the nearest integer in the low bits
 BIAS: Final = 1023  # of the exponent field
@@ -64,6 +60,18 @@ def store(block: Any, row: int, value: Any) -> None:
 def splat(value: float) -> Any:
     """Number that is ``value`` in every lane."""
     return np.float64(value)
+
+
+def _copies(primitive: Any) -> dict[int, FunctionType]:
+    """The primitive for each width: itself for `WIDTH`, a copy with a name of its own for every other."""
+    names = {width: f"{primitive.__name__}_{width}" for width in WIDTHS if width != WIDTH}
+    copies = {width: FunctionType(primitive.__code__, globals(), name) for width, name in names.items()}
+    globals().update({copy.__name__: copy for copy in copies.values()})  # Numba looks for them here
+    return {WIDTH: primitive, **copies}
+
+
+# What makes a lane of something else, or of a float: nothing but these fixes the width of compiled lanes.
+OF_WIDTH: Final = {primitive: _copies(primitive) for primitive in (load, store, splat)}
 
 
 def where(mask: Any, a: Any, b: Any) -> Any:

@@ -37,14 +37,14 @@ def probe_kinematics(
     g = dot(r_ac_H, k_H)  # (2.174)
     dips = g * inverse_length >= LEAST_DIP
     inverse_g = 1.0 / maximum(g, LEAST_DIP * LEAST_LENGTH)
-    reach = where(dips, dot(r_aC_H, k_H) * inverse_g, 0.0)  # (2.167)
+    reach = where(dips, dot(r_aC_H, k_H) * inverse_g, 0.0)  # (2.166), (2.167)
     along = scale(reach, r_ac_H)
     delta = sub(r_aC_H, along)  # (2.165), (2.168)
     # v: velocity of the claw relative to the point of the helicopter that is now at b. With it
     # f' - d_b g' = v . k, so that (2.175)-(2.177) need one cross product.
     r_Hb_H = sub(r_HC_H, delta)
     v = sub(apply_t(R_SH, sub(v_SC_S, v_SH_S)), cross(w_SH_H, r_Hb_H))  # (2.173)
-    reach_rate = where(dips, dot(v, k_H) * inverse_g, 0.0)  # (2.175)
+    reach_rate = where(dips, dot(v, k_H) * inverse_g, 0.0)  # (2.175)-(2.177)
     delta_rate = sub(v, scale(reach_rate, r_ac_H))  # (2.172)
     axis = scale(inverse_length, r_ac_H)
     return reach, reach_rate, length, axis, delta, delta_rate, where(dips, splat(1.0), splat(0.0))

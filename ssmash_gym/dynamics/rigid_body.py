@@ -42,7 +42,7 @@ def rotate_tensor(R: Any, t: Any) -> Any:
 def origin_acceleration(r_SH_S: Any, v_SH_S: Any, w_NS_S: Any, wdot_NS_S: Any, a_NS_S: Any) -> Any:
     """Inertial acceleration of the helicopter's c.g. in S axes for u7'..u9' = 0."""
     transport = add(cross(wdot_NS_S, r_SH_S), cross(w_NS_S, cross(w_NS_S, r_SH_S)))
-    return add(add(a_NS_S, transport), scale(2.0, cross(w_NS_S, v_SH_S)))  # (2.88)
+    return add(add(a_NS_S, transport), scale(2.0, cross(w_NS_S, v_SH_S)))  # (2.41), (2.88)
 
 
 @kernel
@@ -153,7 +153,7 @@ def body_block(mass: Any, t: Any, r: Any, f: Any, tau: Any) -> Any:
     a_rr = (
         t[0] + yy + zz, t[1] - mx * r[1], t[2] - mx * r[2], t[3] + xx + zz, t[4] - my * r[2], t[5] + xx + yy,
     )  # fmt: skip
-    return ((mass, zero, zero, mass, zero, mass), a_rt, a_rr, f, add(tau, cross(r, f)))
+    return ((mass, zero, zero, mass, zero, mass), a_rt, a_rr, f, add(tau, cross(r, f)))  # (2.107), (2.108)
 
 
 @kernel
@@ -290,8 +290,8 @@ def solve_accelerations(w: Any, p: Any, R_SH: Any, block: Any, dy: Any) -> None:
     solution = solve6(hold_locked(p, to_ship_axes(R_SH, block)))  # (2.112)
     a_S = solution[0]
     alpha = solution[1]
-    store3(dy, State.U7, a_S)
-    store3(dy, State.U10, alpha)
+    store3(dy, State.U7, a_S)  # (2.75)
+    store3(dy, State.U10, alpha)  # (2.80)
     a_H = apply_t(R_SH, a_S)
     for i in range(STATIONS):
         base = Work.JOINT + i * JOINT_ROWS
@@ -302,8 +302,8 @@ def solve_accelerations(w: Any, p: Any, R_SH: Any, block: Any, dy: Any) -> None:
             dot(load3(w, base + Joint.B2), a_H) + dot(load3(w, base + Joint.B2 + 3), alpha)
         )
         d12 = load(w, base + Joint.D12)
-        store(dy, State.U13 + 2 * i, load(w, base + Joint.D11) * n1 + d12 * n2)
-        store(dy, State.U14 + 2 * i, d12 * n1 + load(w, base + Joint.D22) * n2)
+        store(dy, State.U13 + 2 * i, load(w, base + Joint.D11) * n1 + d12 * n2)  # (2.76)-(2.78)
+        store(dy, State.U14 + 2 * i, d12 * n1 + load(w, base + Joint.D22) * n2)  # (2.81)-(2.83)
 
 
 @kernel
@@ -313,7 +313,7 @@ def parameter_rates(y: Any, row: int, w: Any, dy: Any) -> None:
     e1 = load(y, row + 1)
     e2 = load(y, row + 2)
     e3 = load(y, row + 3)
-    store(dy, row, 0.5 * (-e1 * w[0] - e2 * w[1] - e3 * w[2]))  # (2.32)
+    store(dy, row, 0.5 * (-e1 * w[0] - e2 * w[1] - e3 * w[2]))  # (2.29), (2.30), (2.32)
     store(dy, row + 1, 0.5 * (e0 * w[0] - e3 * w[1] + e2 * w[2]))
     store(dy, row + 2, 0.5 * (e3 * w[0] + e0 * w[1] - e1 * w[2]))
     store(dy, row + 3, 0.5 * (-e2 * w[0] + e1 * w[1] + e0 * w[2]))

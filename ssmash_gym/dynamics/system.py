@@ -97,15 +97,15 @@ def rates(y: Any, p: Any, d: Any, mode: Any, first: Any, dy: Any, o: Any, w: Any
     a_NS_S = apply_t(R_NS, load3(d, Deck.A_NS_N))
     g_S = scale(load(p, Par.GRAVITY), (R_NS[6], R_NS[7], R_NS[8]))
     bias_S = origin_acceleration(r_SH_S, v_SH_S, w_NS_S, load3(d, Deck.WDOT_NS_S), a_NS_S)
-    specific = apply_t(R_SH, sub(bias_S, g_S))  # weight as an acceleration: (2.221), (2.222)
-    alpha = add(apply_t(R_SH, load3(d, Deck.WDOT_NS_S)), cross(w_NS_H, w_SH_H))  # (2.89)
+    specific = apply_t(R_SH, sub(bias_S, g_S))  # (2.221), (2.222): weight as an acceleration
+    alpha = add(apply_t(R_SH, load3(d, Deck.WDOT_NS_S)), cross(w_NS_H, w_SH_H))  # (2.58), (2.89)
     store3(o, Out.DECK_FX, sub(a_NS_S, g_S))
     store3(o, Out.DECK_WX, w_NS_S)
 
     mass = load(p, Par.MASS)
     tensor = load_tensor(p, Par.IXX)
     load_H = body_loads(y, p, d, mode, o, R_NS, R_SH, w_NS_S, w_NH_H)
-    f = sub(load_H[0], scale(mass, specific))
+    f = sub(load_H[0], scale(mass, specific))  # (2.101)
     gyroscopic = cross(w_NH_H, symmetric_apply(tensor, w_NH_H))
     tau = sub(sub(load_H[1], symmetric_apply(tensor, alpha)), gyroscopic)  # (2.102)
     zero = 0.0 * mass
@@ -146,7 +146,7 @@ def body_loads(y: Any, p: Any, d: Any, mode: Any, o: Any, R_NS: Any, R_SH: Any, 
     r_HCP_H = load3(p, Par.CP)
     v_NS_S = apply_t(R_NS, load3(d, Deck.V_NS_N))
     v_NH_S = add(v_NS_S, add(v_SH_S, cross(w_NS_S, r_SH_S)))  # (2.38)
-    v_NCP_H = add(apply_t(R_SH, v_NH_S), cross(w_NH_H, r_HCP_H))  # (2.199), (2.200)
+    v_NCP_H = add(apply_t(R_SH, v_NH_S), cross(w_NH_H, r_HCP_H))  # (2.197)-(2.200)
     R_NH = matmul(R_NS, R_SH)
     f_wind = wind(p, R_NH, v_NCP_H)
     store3(o, Out.WIND_FX, f_wind)
@@ -187,18 +187,18 @@ def station(
     r_HW_H = add(load3(p, base + Sta.MOUNT), r_OW_H)
     axes = joint_axes(mode[Mode.STATION_KIND + i], R_HO, r_OW_H)
     w_HO_H = add(scale(u1, axes[1]), scale(u2, axes[3]))  # (2.227), (2.230)
-    v_OW_H = add(scale(u1, axes[0]), scale(u2, axes[2]))
+    v_OW_H = add(scale(u1, axes[0]), scale(u2, axes[2]))  # (2.228), (2.229)
     w_NW_H = add(w_NH_H, w_HO_H)  # (2.61)
 
     mass = load(p, base + Sta.MASS)
     tensor = rotate_tensor(R_HO, load_tensor(p, base + Sta.IXX))
-    a_W = carriage_bias(specific, alpha, w_NH_H, r_HW_H, r_OW_H, w_HO_H, v_OW_H)
-    alpha_W = add(alpha, cross(w_NH_H, w_HO_H))  # (2.91)
+    a_W = carriage_bias(specific, alpha, w_NH_H, r_HW_H, r_OW_H, w_HO_H, v_OW_H)  # (2.51)
+    alpha_W = add(alpha, cross(w_NH_H, w_HO_H))  # (2.63), (2.91)
 
     ground = wheel_loads(y, p, mode, dy, o, i, R_SH, R_HO, r_HW_H, w_HO_H, v_OW_H)
     wrench = Par.WRENCH_W + 6 * i
-    force = add(ground[0], apply(R_HO, load3(p, wrench)))
-    torque = add(ground[1], apply(R_HO, load3(p, wrench + 3)))
+    force = add(ground[0], apply(R_HO, load3(p, wrench)))  # (2.225)
+    torque = add(ground[1], apply(R_HO, load3(p, wrench + 3)))  # (2.226)
     joint = joint_forces(y, p, mode, o, i, R_HO, r_OW_O, ground, axes, w_HO_H)
 
     f = sub(force, scale(mass, a_W))  # (2.103)
@@ -335,7 +335,7 @@ def joint_forces(
     else:
         strut = strut_geometry(p, base, R_HO)
         x = load(p, base + Sta.LENGTH) - strut[0]
-        v = -dot(strut[1], cross(w_HO_H, strut[2]))  # (2.237)
+        v = -dot(strut[1], cross(w_HO_H, strut[2]))  # (2.236), (2.237)
         lever1 = dot(strut[1], cross(axes[1], strut[2]))
         lever2 = dot(strut[1], cross(axes[3], strut[2]))
         normal = zero

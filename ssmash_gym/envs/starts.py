@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ssmash_gym.dynamics import vectors
+from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import SPEEDS, STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, State, Tir
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig
 from ssmash_gym.envs.task import TaskConfig
@@ -20,7 +22,17 @@ from ssmash_gym.vehicle import Helicopter, with_changes
 
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
+_rotation = uncompiled(vectors.rotation)
+_apply = uncompiled(vectors.apply)
 _SETTLING_S = 4.0  # a lead-in of this length settles small differences of mass, c.g. and tire pressure
+_VARIED = {  # what a draw changes of the helicopter, and its undisturbed value
+    "mass_factor": 1.0,
+    "cg_x_m": 0.0,
+    "cg_y_m": 0.0,
+    "cg_z_m": 0.0,
+    "friction_factor": 1.0,
+    "pressure_factor": 1.0,
+}
 WHEEL_CHANGES = {
     "rolling": {"stations.right.rolling": "free", "stations.left.rolling": "free"},
     "braked": {"stations.right.rolling": "locked", "stations.left.rolling": "locked"},
@@ -76,19 +88,22 @@ def vary(column: Array, draw: EpisodeDraw) -> None:
     The inertia tensor goes with the mass; the c.g. shift moves every mounting point the other way.
     """
     column[Par.MASS : Par.IZZ + 1] *= draw.helicopter_mass_factor
-    shift = np.array([draw.helicopter_cg_x_m, draw.helicopter_cg_y_m, draw.helicopter_cg_z_m])
     points = [int(Par.CP), int(Par.PROBE_MOUNT)]
     for i in range(STATIONS):
         base = Par.STATION + i * STATION_ROWS
-        points += [base + Sta.MOUNT, base + Sta.P1]
+        points += [base + Sta.MOUNT, base + Sta.P1] if column[base + Sta.LENGTH] else [base + Sta.MOUNT]
     for row in points:
-        column[row : row + 3] -= shift
+        column[row : row + 3] -= _cg_shift(draw)
     for t in range(TIRES):
         base = TIRE_PAR + t * TIRE_ROWS
         column[base + Tir.MU] *= draw.helicopter_friction_factor
         gauge = column[base + Tir.P_O] * draw.helicopter_pressure_factor
         column[base + Tir.P_ABS] += gauge - column[base + Tir.P_O]
         column[base + Tir.P_O] = gauge
+
+
+def _cg_shift(draw: EpisodeDraw) -> Array:
+    return np.array([draw.helicopter_cg_x_m, draw.helicopter_cg_y_m, draw.helicopter_cg_z_m])
 
 
 def relative_wind(draw: EpisodeDraw) -> Array:
@@ -135,10 +150,10 @@ class Starter:
                 f"lateral travel of {self.task.claw.y_travel_m:g} m."
             )
         example = self.scenario.sample(np.random.default_rng(0)).to_dict()
-        keys = ("mass_factor", "cg_x_m", "cg_y_m", "cg_z_m", "friction_factor", "pressure_factor")
         for end in (0, 1):
-            bounds = {f"helicopter_{key}": (self.scenario.bounds(f"helicopter.{key}") or (0.0, 0.0))[end] for key in keys}
-            varied(self.helicopter, EpisodeDraw.from_dict({**example, **bounds}))
+            extreme = {f"helicopter_{key}": (self.scenario.bounds(f"helicopter.{key}") or (0.0, 0.0))[end] for key in _VARIED}
+            if tuple(extreme.values()) != tuple(_VARIED.values()):
+                varied(self.helicopter, EpisodeDraw.from_dict({**example, **extreme}))
 
     def batch(self, n: int, threads: int) -> Batch:
         """A batch of n such helicopters."""
@@ -195,6 +210,8 @@ class Starter:
         e0, e1, e2, e3 = state[State.Q11 : State.Q14 + 1].tolist()
         state[State.Q11 : State.Q14 + 1] = (c * e0 - s * e3, c * e1 - s * e2, c * e2 + s * e1, c * e3 + s * e0)
         state[State.CLAW_X], state[State.CLAW_Y] = self.task.track.start_x_m, draw.start_lateral_m
+        R_SH = _rotation(*state[State.Q11 : State.Q14 + 1])
+        state[State.Q8 : State.Q10 + 1] += _apply(R_SH, _cg_shift(draw))  # the state tells where the c.g. is
         batch.state[:, k] = state
 
     def start(self, batch: Batch, columns: Columns, draws: Sequence[EpisodeDraw]) -> None:

@@ -88,7 +88,10 @@ def bootstrap_ratio(
     Args:
         numerator: (n,) one number an episode.
         denominator: (n,) the other policy's on the same seeds.
-        statistic, resamples, level, seed: As in `bootstrap`.
+        statistic: As in `bootstrap`.
+        resamples: As there.
+        level: As there.
+        seed: As there.
 
     Raises:
         ValueError: The samples are not of one length, empty or not finite, or the denominator's statistic is 0.

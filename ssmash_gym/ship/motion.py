@@ -77,8 +77,8 @@ def pose_of(signal: Signal) -> DeckPose:
         R_NS=rotation(angles),
         w_NS_S=angular_velocity(angles, rates),
         wdot_NS_S=angular_acceleration(angles, rates, accelerations),
-        r_NS_N=q[..., :3],
-        v_NS_N=qd[..., :3],
+        r_NS_N=q[..., :3],  # (2.9)
+        v_NS_N=qd[..., :3],  # (2.19)
         a_NS_N=qdd[..., :3],
     )
 

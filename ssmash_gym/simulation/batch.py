@@ -18,15 +18,13 @@ from ssmash_gym.dynamics.layout import (
     PARAMETER_ROWS,
     STATE_ROWS,
     ClawDrive,
-    Deck,
     Mode,
     Out,
-    Par,
     State,
 )
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation import settle as settling
-from ssmash_gym.simulation.claw import ClawLimits
+from ssmash_gym.simulation.claw import ClawLimits, write_drive, write_history
 from ssmash_gym.simulation.parameters import Modes, droop_state, mode_vector, parameter_column
 from ssmash_gym.simulation.telemetry import Telemetry
 
@@ -95,7 +93,7 @@ class Batch:
         modes: choices of model (tire contact point, friction limit, probe law).
         claw: limits of the claw drive, the same for all columns; edit `parameters` to randomise.
         threads: workers for a call; results do not depend on it.
-        longest_delay_s: longest command delay that any column will have.
+        longest_delay_s: longest command delay that any column will have (never less than the claw's own).
 
     Attributes:
         state: (STATE_ROWS, N), rows `layout.State`; parameters: (PARAMETER_ROWS, N), rows `layout.Par`.
@@ -128,8 +126,8 @@ class Batch:
         self._mode = common_mode(fleet, self.modes)
         self.state: Array = np.zeros((STATE_ROWS, self.n))
         self.parameters: Array = np.zeros((PARAMETER_ROWS, self.n))
-        history = int(np.ceil(longest_delay_s / self.timing.control_interval_s - 1e-9)) + 1
-        self.longest_delay_s = longest_delay_s
+        self.longest_delay_s = max(longest_delay_s, self.claw.delay_s)
+        history = int(np.ceil(self.longest_delay_s / self.timing.control_interval_s - 1e-9)) + 1
         self._commands: Array = np.zeros((2 * history, self.n))
         self.clocks: Columns = np.zeros(self.n, np.int64)
         self._nodes: Array = np.zeros((self.n, 2, DECK_COLUMNS))
@@ -181,7 +179,7 @@ class Batch:
         return self._mode
 
     def set_motion(self, tables: Sequence[MotionTable], columns: ArrayLike | None = None) -> None:
-        """Give each listed column its deck motion and set its clock to the table's start.
+        """Give each listed column its deck motion; its clock starts anew, and commands not yet acted on are dropped.
 
         Raises:
             ConfigurationError: a table's node spacing is not the batch's (`Timing.node_spacing_s`).
@@ -201,6 +199,7 @@ class Batch:
             still = not np.any(table.nodes[:, 6:]) and np.all(table.nodes[:, :6] == table.nodes[0, :6])
             self._ends[k] = np.iinfo(np.int64).max if still else (count - 1) * self.timing.substeps_per_node
         self.clocks[chosen] = 0
+        self._commands[:, chosen] = 0.0
 
     def _lengthen(self, nodes: int) -> None:
         """Make room for longer tables; the decks stand still after their last node."""
@@ -228,6 +227,8 @@ class Batch:
     def place(self, x: ArrayLike, y: ArrayLike, yaw: ArrayLike, columns: ArrayLike | None = None) -> Array:
         """Settle the listed columns on the deck as it stands, probe point over (x, y), and bring the claw there.
 
+        What wheels that roll leave to a captured probe (a sloping deck) deflects it, and the probe point with it.
+
         Args:
             x: position of the probe point along the track [m], scalar or (n,).
             y: the same across the track [m].
@@ -242,6 +243,7 @@ class Batch:
             if k in chosen:
                 self.state[:, k] = droop_state(helicopter)
         half = 0.5 * np.broadcast_to(np.asarray(yaw, dtype=np.float64), chosen.shape)
+        self._commands[:, chosen] = 0.0
         self.state[State.Q11, chosen] = np.cos(half)
         self.state[State.Q14, chosen] = np.sin(half)
         return settling.place(self, chosen, np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
@@ -271,11 +273,11 @@ class Batch:
         for time in np.unique(self.clocks[columns]):
             same = np.flatnonzero(self.clocks[columns] == time)
             decks[:, same] = engine.deck_rows(self._nodes[columns[same]], time * self.timing.substep_s, spacing)
-        decks[Deck.C_CLAW_S] = self.state[State.CLAW_X, columns]
-        decks[Deck.C_CLAW_S + 1] = self.state[State.CLAW_Y, columns]
-        decks[Deck.C_CLAW_S + 2] = self.parameters[Par.CLAW_Z, columns]
-        decks[Deck.V_CLAW_S] = self.state[State.CLAW_VX, columns]
-        decks[Deck.V_CLAW_S + 1] = self.state[State.CLAW_VY, columns]
+        if self._mode[Mode.CLAW] == ClawDrive.PRESCRIBED:
+            write_history(self._claw_nodes[columns], self.clocks[columns], self.timing.substeps_per_node,
+                          self.timing.substep_s, decks)  # fmt: skip
+        else:
+            write_drive(self.state[:, columns], self.parameters[:, columns], self.time_s[columns], decks)
         return decks
 
     # --- time ------------------------------------------------------------------------------------------------
@@ -307,16 +309,20 @@ class Batch:
             k = int(chosen[np.argmax(late)])
             end = self._ends[k] * self.timing.substep_s
             raise ValueError(f"the deck motion of helicopter {k} ends at {end:g} s; bake a longer table")
-        self._commands[2:, chosen] = self._commands[:-2, chosen]
-        self._commands[:2, chosen] = values.T
-        if intervals > 1:  # one call: the delay line must hold this command only
-            self._commands[:, chosen] = np.tile(values.T, (self._commands.shape[0] // 2, 1))
+        self._remember(values.T, chosen)
         engine.advance(
             self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
             chosen, substeps, self.timing.substep_s, self.timing.substeps_per_node, self._outputs, self._highs,
             self._lows, self.threads,
         )  # fmt: skip
+        for _ in range(min(intervals, self._commands.shape[0] // 2) - 1):
+            self._remember(values.T, chosen)
         return self.telemetry
+
+    def _remember(self, command: Array, chosen: Columns) -> None:
+        """Put a command (2, n) at the head of the delay line."""
+        self._commands[2:, chosen] = self._commands[:-2, chosen]
+        self._commands[:2, chosen] = command
 
     @property
     def telemetry(self) -> Telemetry:

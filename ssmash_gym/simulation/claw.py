@@ -8,8 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from ssmash_gym.dynamics.claw import place_claw
+from ssmash_gym.dynamics.deck import COEFFICIENTS, gather_piece, prescribed_claw
+from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import Par
 
+Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
@@ -57,3 +61,17 @@ class ClawLimits(BaseModel):
         }
         for row, value in rows.items():
             column[row] = value
+
+
+def write_drive(state: Array, parameters: Array, time_s: Array, decks: Array) -> None:
+    """Claw rows of `decks` (DECK_ROWS, n) of a commanded claw, ripple included, at the columns' times (n,) [s]."""
+    uncompiled(place_claw)(state, parameters, 1, time_s, decks)
+
+
+def write_history(nodes: Array, clocks: NDArray[np.int64], per_node: int, substep_s: float, decks: Array) -> None:
+    """Claw rows of `decks` (DECK_ROWS, n) of prescribed claws: `nodes` (n, nodes, 9), `clocks` (n,) in substeps."""
+    pieces = np.minimum(clocks // per_node, nodes.shape[1] - 2)
+    c = np.empty((3 * COEFFICIENTS, clocks.size))
+    for k, piece in enumerate(pieces):
+        uncompiled(gather_piece)(nodes, k, piece, 3, per_node * substep_s, c, k)
+    uncompiled(prescribed_claw)(c, (clocks % per_node) * substep_s, decks)

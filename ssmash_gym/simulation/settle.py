@@ -2,7 +2,8 @@
 
 1. The helicopter is lowered until its wheels touch and relaxes with x, y, yaw and the steer angles held.
 2. Newton's method on height, roll, pitch and the three strokes makes that rest exact.
-3. On a sloping deck, or with a deflected probe, it then relaxes freely, so that tires and probe take the rest up.
+3. On a sloping deck, with a deflected probe or in the wind, Newton's method on all twelve motions lets tires and
+   probe take the rest up: wheels stand, so that their tires deflect by what the carriages move over the deck.
 """
 
 from __future__ import annotations
@@ -43,42 +44,88 @@ Columns = NDArray[np.int64]
 _rotation = uncompiled(vectors.rotation)
 _apply = uncompiled(vectors.apply)
 _HELD = (0, 1, 5, 7, 9, 11)  # u7, u8, u12 and the steer rates: what stays put while the helicopter is lowered
-_RESIDUAL = np.array([2, 3, 4, 6, 8, 10])  # u9', u10', u11' and the three strokes
+_VERTICAL = np.array([2, 3, 4, 6, 8, 10])  # u9, u10, u11 and the three strokes
+_ALL = np.arange(SPEEDS)
+_AT_REST = 1e-7  # largest acceleration of a column that needs no further step [m/s2, rad/s2]
+_PART = 128  # columns worked on together: bounds the memory
 _RELAX_S = 0.02  # between two removals of kinetic energy
 _KEEP = 0.5  # share of the speeds kept at each
 
 
 def settle(batch: Batch, columns: Columns) -> Array:
     """Bring the columns to rest; returns the largest remaining acceleration of each, (n,)."""
-    lower(batch, columns)
-    locks = batch.parameters[Par.LOCK : Par.LOCK + SPEEDS, columns].copy()
-    for k in _HELD:
-        batch.parameters[Par.LOCK + k, columns] = 1.0
-    try:
-        relax(batch, columns, seconds=1.6)
-        newton(batch, columns)
-    finally:
-        batch.parameters[Par.LOCK : Par.LOCK + SPEEDS, columns] = locks
-    uneasy = columns[remaining(batch, columns) > 1e-3]
-    if uneasy.size:
-        relax(batch, uneasy, seconds=6.0)
+    lie_down(batch, columns)
+    find_rest(batch, columns)
     return remaining(batch, columns)
 
 
 def place(batch: Batch, columns: Columns, x: Array, y: Array) -> Array:
-    """Settle with the probe let go, move the probe point over (x, y), bring the claw to it, let it hold again."""
-    captured = batch.state[State.PROBE_CAPTURED, columns].copy()
-    batch.state[State.PROBE_CAPTURED, columns] = 0.0
-    left = settle(batch, columns)
+    """Settle with the probe let go, move the probe point over (x, y), bring the claw to it, let it hold again.
+
+    What the wheels leave to a captured probe, on a sloping deck, then deflects it.
+    """
+    active = batch.parameters[Par.PROBE_ACTIVE, columns].copy()
+    batch.parameters[Par.PROBE_ACTIVE, columns] = 0.0
+    try:
+        settle(batch, columns)
+    finally:
+        batch.parameters[Par.PROBE_ACTIVE, columns] = active
     outputs = batch.evaluate(columns).outputs
     batch.state[State.Q8, columns] += x - outputs[Out.PROBE_X, columns]
     batch.state[State.Q9, columns] += y - outputs[Out.PROBE_Y, columns]
     batch.state[State.CLAW_X, columns] = x
     batch.state[State.CLAW_Y, columns] = y
     batch.state[State.CLAW_VX : State.CLAW_VY + 1, columns] = 0.0
-    batch.state[State.PROBE_CAPTURED, columns] = captured
+    find_rest(batch, columns)
     batch.evaluate(columns)
-    return left
+    return remaining(batch, columns)
+
+
+def lie_down(batch: Batch, columns: Columns) -> None:
+    """Lower the columns onto rolling wheels, probe let go; then height, roll, pitch and strokes exactly at rest."""
+    claw = batch.state[State.CLAW_X : State.CLAW_VY + 1, columns].copy()
+    lower(batch, columns)
+    held = [Par.LOCK + k for k in _HELD]
+    free = [Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK for i in range(STATIONS)] + [int(Par.PROBE_ACTIVE)]
+    rows = np.ix_(np.array(held + free), columns)
+    kept = batch.parameters[rows]
+    batch.parameters[rows] = np.repeat([1.0, 0.0], [len(held), len(free)])[:, None]
+    try:
+        relax(batch, columns, seconds=1.6)
+        newton(batch, columns, _VERTICAL)
+    finally:
+        batch.parameters[rows] = kept
+        batch.state[State.CLAW_X : State.CLAW_VY + 1, columns] = claw
+
+
+def find_rest(batch: Batch, columns: Columns) -> None:
+    """Newton's method on all twelve accelerations where they are not zero yet; standing tires follow the deck.
+
+    A column that has no equilibrium keeps the better of its two states.
+    """
+    before = remaining(batch, columns)
+    uneasy = np.flatnonzero(before > _AT_REST)
+    for part in np.array_split(uneasy, -(-uneasy.size // _PART)) if uneasy.size else []:
+        some = columns[part]
+        start = batch.state[:, some]
+        newton(batch, some, _ALL, tire_travel(batch, some))
+        left = remaining(batch, some)
+        worse = ~(left < before[part])
+        batch.state[:, some[worse]] = start[:, worse]
+
+
+def tire_travel(batch: Batch, columns: Columns) -> Array:
+    """Stored tire deflections that standing tires take for a unit of each of the twelve motions, (18, 12, n)."""
+    n, m = columns.size, SPEEDS
+    decks = np.repeat(still_decks(batch, columns), m, axis=1)
+    parameters = np.repeat(batch.parameters[:, columns], m, axis=1)
+    state = np.repeat(batch.state[:, columns], m, axis=1)
+    speed = 1e-4
+    rates = []
+    for sign in (1.0, -1.0):  # the difference leaves out what rolling relaxes, which is even in the speed
+        state[:SPEEDS] = sign * speed * np.tile(np.eye(m), n)
+        rates.append(engine.derivative(state, parameters, batch.mode, decks)[0][State.TIRE : State.CLAW_X])
+    return ((rates[0] - rates[1]) / (2.0 * speed)).reshape(-1, n, m).transpose(0, 2, 1)
 
 
 def lower(batch: Batch, columns: Columns) -> None:
@@ -153,44 +200,62 @@ def remaining(batch: Batch, columns: Columns) -> Array:
     return np.asarray(np.max(np.abs(rates[:SPEEDS]), axis=0))
 
 
-def newton(batch: Batch, columns: Columns, iterations: int = 12) -> None:
-    """Zero the vertical accelerations by height, roll, pitch and strokes; finite differences in one batched call."""
-    n, m = columns.size, _RESIDUAL.size
+def newton(batch: Batch, columns: Columns, speeds: Columns, travel: Array | None = None, iterations: int = 15) -> None:
+    """Zero the accelerations of the listed speeds by their coordinates; finite differences in one batched call.
+
+    Args:
+        batch: the batch.
+        columns: its columns.
+        speeds: which of the twelve; those that a lock holds stay where they are.
+        travel: what the stored tire deflections do for a unit of each motion, as `tire_travel`; None leaves them.
+        iterations: at most so many.
+    """
+    n, m = columns.size, speeds.size
     decks = np.repeat(still_decks(batch, columns), m + 1, axis=1)
     parameters = np.repeat(batch.parameters[:, columns], m + 1, axis=1)
+    follow = None if travel is None else np.repeat(travel, m + 1, axis=2)
+    free = 1.0 - batch.parameters[Par.LOCK + speeds][:, columns]
     batch.state[:SPEEDS, columns] = 0.0
     done = np.zeros(n, np.bool_)
+    step = 1e-6
+    steps = np.zeros((SPEEDS, n, m + 1))
+    steps[speeds, :, 1 + np.arange(m)] = step
     for _ in range(iterations):
         base = batch.state[:, columns]
-        trial = np.repeat(base, m + 1, axis=1)
-        step = 1e-6
-        for j in range(m):
-            trial[:, 1 + j :: m + 1] = moved(base, np.eye(m)[j][:, None] * np.full((1, n), step), batch.mode)
+        trial = moved(np.repeat(base, m + 1, axis=1), steps.reshape(SPEEDS, -1), batch.mode, follow)
         rates, _ = engine.derivative(trial, parameters, batch.mode, decks)
-        values = rates[_RESIDUAL].reshape(m, n, m + 1)
+        values = rates[speeds].reshape(m, n, m + 1)
         residual = values[:, :, 0].T
-        jacobian = ((values[:, :, 1:] - values[:, :, :1]) / step).transpose(1, 0, 2)
-        change = -np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-12), residual)
-        change[done] = 0.0  # a column's result does not depend on how long its neighbours take
-        largest = np.max(np.abs(change), axis=1)
-        batch.state[:, columns] = moved(base, (change / np.maximum(1.0, largest / 0.05)[:, None]).T, batch.mode)
+        jacobian = ((values[:, :, 1:] - values[:, :, :1]) / step).transpose(1, 0, 2) * free.T[:, None, :]
+        change = np.zeros((SPEEDS, n))
+        inverse = np.linalg.pinv(jacobian, rcond=1e-10)
+        for j in range(m):  # term by term: the order of a library's sums may depend on the number of columns
+            change[speeds] -= inverse[:, :, j].T * residual[:, j]
+        change[:, done] = 0.0  # a column's result does not depend on how long its neighbours take
+        largest = np.max(np.abs(change), axis=0)
+        batch.state[:, columns] = moved(base, change / np.maximum(1.0, largest / 0.05), batch.mode, travel)
         done |= largest < 1e-12
         if done.all():
             return
 
 
-def moved(state: Array, change: Array, mode: NDArray[np.int64]) -> Array:
-    """State after a change (6, n) of height, roll, pitch (about H axes) and the strokes."""
+def moved(state: Array, change: Array, mode: NDArray[np.int64], travel: Array | None) -> Array:
+    """State after the motions `change` (12, n) along u7-u18: position in S, rotation about H axes, the joint pairs."""
     out = state.copy()
-    out[State.Q10] += change[0]
+    out[State.Q8 : State.Q10 + 1] += change[:3]
     zero = np.zeros(state.shape[1])
-    turn(out, State.Q11, (change[1], change[2], zero))
+    turn(out, State.Q11, (change[3], change[4], change[5]))
     for i in range(STATIONS):
         row = State.Q15 + STATION_COORDINATES * i
+        first, second = change[6 + 2 * i], change[7 + 2 * i]
         if mode[Mode.STATION_KIND + i] == StationKind.PRISMATIC:
-            out[row] += change[3 + i]
+            out[row] += first
+            turn(out, row + 1, (zero, zero, second))
         else:
-            turn(out, row + 1, (zero, change[3 + i], zero))
+            turn(out, row + 1, (zero, first, second))
+    if travel is not None:
+        for j in range(SPEEDS):
+            out[State.TIRE : State.CLAW_X] += travel[:, j] * change[j]
     return out
 
 
@@ -199,7 +264,7 @@ def turn(state: Array, row: int, angles: tuple[Array, Array, Array]) -> None:
     angle = np.sqrt(sum(a * a for a in angles))
     half = 0.5 * angle
     s = np.where(angle > 1e-300, np.sin(half) / np.maximum(angle, 1e-300), 0.5)
-    d0, (d1, d2, d3) = np.cos(half), (s * a for a in angles)
+    d0, (d1, d2, d3) = np.cos(half), (s * a for a in angles)  # (2.3), (2.4)
     e0, e1, e2, e3 = state[row : row + 4].copy()
     state[row] = e0 * d0 - e1 * d1 - e2 * d2 - e3 * d3
     state[row + 1] = e0 * d1 + e1 * d0 + e2 * d3 - e3 * d2

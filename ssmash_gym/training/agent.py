@@ -16,7 +16,7 @@ import hashlib
 import json
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -67,6 +67,21 @@ class Agent:
         """Commands for observations (n, k) as the agent's task scales them, (n, 2) within -1 to 1."""
         return np.clip(self.network(self.normaliser(observations)), -1.0, 1.0)
 
+    def within(self, task: TaskConfig) -> Agent:
+        """The same agent in another task, e.g. with other limits.
+
+        Raises:
+            ConfigurationError: The task is observed by other terms, or commanded at another interval.
+        """
+        if [t.name for t in chosen_terms(task.observation)] != [t.name for t in chosen_terms(self.task.observation)]:
+            raise ConfigurationError(f"{self.name}: the task's observation terms are not those it was trained with.")
+        if task.control_interval_s != self.task.control_interval_s:
+            raise ConfigurationError(
+                f"{self.name}: control_interval_s = {task.control_interval_s:g} is refused: it was trained with "
+                f"{self.task.control_interval_s:g} s."
+            )
+        return replace(self, task=task)
+
 
 def save_agent(
     folder: Path,
@@ -83,7 +98,9 @@ def save_agent(
         folder: Where.
         model: The Stable-Baselines3 model.
         wrapper: Its `VecNormalize`.
-        training, task, scenario: Resolved configurations.
+        training: Resolved configuration of the training.
+        task: The same of the task.
+        scenario: The same of the scenario.
         about: Further entries for ``agent.json`` (steps, seeds, versions).
     """
     terms = [{"name": t.name, "unit": t.unit, "scale": t.scale} for t in chosen_terms(task.observation)]
@@ -119,7 +136,9 @@ def load_agent(folder: str | Path) -> Agent:
     normaliser = Normaliser.read(root / NORMALISER)
     about = json.loads((root / ABOUT).read_text(encoding="utf-8"))
     if about.get("format") != FORMAT or about.get("activation") not in ACTIVATIONS:
-        raise ConfigurationError(f"{root / ABOUT}: format {about.get('format')!r} is unknown; this version reads {FORMAT}.")
+        raise ConfigurationError(
+            f"{root / ABOUT}: format {about.get('format')!r} is unknown; this version reads {FORMAT}."
+        )
     task = load_task(root / "task.yaml")
     written = {entry["name"]: entry["scale"] for entry in about["observation"]}
     present = {term.name: term.scale for term in chosen_terms(task.observation)}

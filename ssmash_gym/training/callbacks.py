@@ -65,7 +65,9 @@ class Curve(BaseCallback):
 
     def _on_step(self) -> bool:
         for k in np.flatnonzero(self.locals["dones"]):
-            self.finished.append(self.locals["infos"][k]["episode_metrics"])
+            metrics = self.locals["infos"][k].get("episode_metrics")
+            if metrics is not None:  # else it was cut short to get the helicopters out of step
+                self.finished.append(metrics)
         return True
 
     def _on_rollout_end(self) -> None:
@@ -82,9 +84,9 @@ class Curve(BaseCallback):
             if name not in LOGGED and name != "steps" and np.isfinite(value):
                 self.logger.record(f"traverse/{name}", value)
         with self.path.open("a", newline="", encoding="utf-8") as file:
-            csv.DictWriter(file, COLUMNS).writerow({name: f"{value:.6g}" for name, value in line.items()} | {
-                "steps": line["steps"]
-            })
+            csv.DictWriter(file, COLUMNS).writerow(
+                {name: f"{value:.6g}" for name, value in line.items()} | {"steps": line["steps"]}
+            )
         self.show(line)
 
 

@@ -37,9 +37,9 @@ def save_checkpoint(folder: Path, model: Any, config: TrainingConfig, about: dic
     import torch
 
     wrapper = model.env
-    native = wrapper.venv
+    staggered = wrapper.venv
     with whole_folder(folder) as temporary:
-        save_agent(temporary / "agent", model, wrapper, config, native.core.task, native.core.scenario, about)
+        save_agent(temporary / "agent", model, wrapper, config, staggered.core.task, staggered.core.scenario, about)
         for path in (temporary / "agent").iterdir():
             path.rename(temporary / path.name)
         (temporary / "agent").rmdir()
@@ -55,10 +55,11 @@ def save_checkpoint(folder: Path, model: Any, config: TrainingConfig, about: dic
         state = {
             "steps": model.num_timesteps,
             "updates": model._n_updates,
+            "environment_steps": staggered.steps,
             "numpy": [str(kind), int(place), int(has_gauss), float(gauss)],
         }
         (temporary / STATE).write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
-        (temporary / ENVIRONMENT).write_bytes(pickle.dumps(native.snapshot()))
+        (temporary / ENVIRONMENT).write_bytes(pickle.dumps(staggered.core.snapshot()))
 
 
 def load_checkpoint(folder: Path, model: Any) -> None:
@@ -75,11 +76,12 @@ def load_checkpoint(folder: Path, model: Any) -> None:
         if not (folder / name).is_file():
             raise ConfigurationError(f"{folder}: this is no complete checkpoint, {name} is missing.")
     wrapper = model.env
-    native = wrapper.venv
+    staggered = wrapper.venv
     model.set_parameters(folder / "policy.zip", exact_match=True, device="cpu")
-    native.restore(pickle.loads((folder / ENVIRONMENT).read_bytes()))
+    staggered.core.restore(pickle.loads((folder / ENVIRONMENT).read_bytes()))
     state = json.loads((folder / STATE).read_text(encoding="utf-8"))
     model.num_timesteps, model._n_updates = state["steps"], state["updates"]
+    staggered.steps = state["environment_steps"]
     with np.load(folder / GENERATORS) as arrays:
         wrapper.returns = arrays["returns"].copy()
         model._last_obs = arrays["last_observation"].copy()

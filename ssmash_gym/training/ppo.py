@@ -29,11 +29,12 @@ def make_environment(config: TrainingConfig) -> Any:
     from stable_baselines3.common.vec_env import VecNormalize
 
     from ssmash_gym.envs.sb3 import TraverseVecEnv
+    from ssmash_gym.training.stagger import Staggered
 
     section = config.environment
     native = TraverseVecEnv(section.count, task=section.task, scenario=section.scenario, threads=section.threads)
     wrapper = VecNormalize(
-        native,
+        Staggered(native),
         norm_obs=config.normalise.observation,
         norm_reward=config.normalise.reward,
         clip_obs=config.normalise.clip,

@@ -108,7 +108,7 @@ def test_wrappers(env_id: str, short: dict[str, Any], tmp_path: Path) -> None:
     pytest.importorskip("moviepy")
     pytest.importorskip("pygame")
     env = gym.make(env_id, render_mode="rgb_array", **short)
-    env = gym.wrappers.RecordVideo(env, str(tmp_path), episode_trigger=lambda k: k == 0, disable_logger=True)
+    env = gym.wrappers.RecordVideo(env, str(tmp_path / "video"), episode_trigger=lambda k: k == 0, disable_logger=True)
     env = gym.wrappers.RecordEpisodeStatistics(gym.wrappers.NormalizeObservation(env))
     env.reset(seed=0)
     total = 0.0
@@ -118,7 +118,7 @@ def test_wrappers(env_id: str, short: dict[str, Any], tmp_path: Path) -> None:
     env.close()
     assert info["episode"]["r"] == pytest.approx(total) and info["episode"]["l"] == 5
     assert info["episode_metrics"]["return"] == pytest.approx(total)
-    assert len(list(tmp_path.glob("*.mp4"))) == 1
+    assert len(list((tmp_path / "video").glob("*.mp4"))) == 1
 
 
 def test_vector_wrappers(env_id: str, short: dict[str, Any]) -> None:

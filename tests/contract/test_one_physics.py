@@ -81,11 +81,11 @@ def test_async_in_spawned_processes(short: dict[str, Any]) -> None:
 
 def sb3_rollout(envs: Any) -> list[Any]:
     envs._seeds = list(SEEDS[: envs.num_envs])
-    said: list[Any] = [envs.reset(), envs.reset_infos]
+    said: list[Any] = [envs.reset(), list(envs.reset_infos)]
     for action in actions():
         observation, reward, done, infos = envs.step(action[: envs.num_envs])
         ends = [{k: v for k, v in info.items() if k != "episode"} if d else None for info, d in zip(infos, done, strict=True)]
-        said.append((observation, reward, done, [info["cost"] for info in infos], ends))
+        said.append((observation, np.asarray(reward, np.float32), done, [info["cost"] for info in infos], ends))
     envs.close()
     return said
 

@@ -1,0 +1,149 @@
+"""How an episode starts: the draw in the parameters, the rest on the deck, the prepared starts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ssmash_gym.dynamics.layout import Par, State
+from ssmash_gym.envs import load_scenario, load_task
+from ssmash_gym.envs.batch_env import TraverseBatch
+from ssmash_gym.envs.scenario import EpisodeDraw
+from ssmash_gym.envs.starts import Starter, relative_wind, vary, varied
+from ssmash_gym.envs.vector import TraverseVectorEnv
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.simulation.parameters import parameter_column
+from ssmash_gym.vehicle import load_helicopter
+
+SHORT: dict[str, Any] = {"horizon_s": 0.5}
+
+
+def flat_draw(**changes: Any) -> EpisodeDraw:
+    return replace(load_scenario("flat").sample(np.random.default_rng(0)), **changes)
+
+
+@pytest.mark.parametrize("name", ["generic_tricycle", "seahawk_like"])
+def test_rows_are_varied_as_the_description_would_be(name: str) -> None:
+    """The quick way through parameter rows gives what the validated description gives."""
+    helicopter = load_helicopter(name)
+    draw = flat_draw(
+        helicopter_mass_factor=1.07, helicopter_cg_x_m=0.04, helicopter_cg_y_m=-0.02, helicopter_cg_z_m=0.03,
+        helicopter_friction_factor=0.8, helicopter_pressure_factor=0.93,
+    )  # fmt: skip
+    column = parameter_column(helicopter)
+    plain = column.copy()
+    vary(column, draw)
+    assert column == pytest.approx(parameter_column(varied(helicopter, draw)), rel=1e-14, abs=1e-15)
+    assert np.count_nonzero(column != plain) > 20
+
+
+def test_relative_wind() -> None:
+    """True wind from ahead and the ship's own speed add up; a beam wind from starboard blows to port."""
+    ahead = flat_draw(wind_speed_mps=10.0, wind_from_deg=0.0, wind_ship_speed_mps=5.0)
+    assert relative_wind(ahead) == pytest.approx([-15.0, 0.0, 0.0])
+    starboard = flat_draw(wind_speed_mps=10.0, wind_from_deg=90.0)
+    assert relative_wind(starboard) == pytest.approx([0.0, -10.0, 0.0])
+
+
+def test_claw_and_wind_rows() -> None:
+    starter = Starter(load_helicopter("generic_tricycle"), load_task(), load_scenario())
+    given = {"claw_delay_s": 0.1513, "claw_ripple_along_m": 0.002, "claw_ripple_across_m": None}
+    column = starter.column(flat_draw(**given))
+    assert column[Par.CLAW_DELAY] == pytest.approx(0.152)  # whole substeps
+    assert column[Par.RIPPLE_X] == 0.002 and column[Par.RIPPLE_Y] == 0.0
+    assert column[Par.CLAW_SPEED_X] == 0.3
+
+
+def test_set_down_is_settled() -> None:
+    """After the lead-in the quick start on a level deck is where the full search for equilibrium leads, and at rest."""
+    task = load_task(SHORT)
+    starter = Starter(load_helicopter("generic_tricycle"), task, load_scenario("flat"))
+    draw = flat_draw(
+        start_yaw_deg=6.0, start_lateral_m=0.08, helicopter_mass_factor=1.05, helicopter_cg_x_m=0.05,
+        helicopter_cg_y_m=0.02, helicopter_pressure_factor=0.95,
+    )  # fmt: skip
+    quick, exact = starter.batch(1, 1), starter.batch(1, 1)
+    column = np.array([0])
+    starter.start(quick, column, [draw])
+    exact.parameters[:, 0] = starter.column(draw)
+    exact.place(0.0, 0.08, np.deg2rad(6.0))
+    exact.advance(None, intervals=task.lead_in_steps)
+    assert np.max(np.abs(quick.state[: State.Q8])) < 2e-4
+    change = np.abs(quick.state - exact.state)[: State.CLAW_X, 0]
+    assert np.max(change) < 1e-3
+    telemetry = quick.telemetry
+    assert telemetry["probe_in_plane"][0] < 150.0
+    for station in ("auxiliary", "right", "left"):
+        load = telemetry[f"{station}_vertical_load"][0]
+        assert load == pytest.approx(exact.telemetry[f"{station}_vertical_load"][0], rel=1e-3)
+    assert telemetry["yaw"][0] == pytest.approx(np.deg2rad(6.0), abs=1e-3)
+    assert (telemetry["probe_x"][0], telemetry["probe_y"][0]) == pytest.approx((0.0, 0.08), abs=1e-3)
+    assert (telemetry["claw_x"][0], telemetry["claw_y"][0]) == (0.0, 0.08)
+
+
+def test_a_heeled_deck_is_settled_too() -> None:
+    env = TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": {"type": "fixed", "heel_deg": 3.0}})
+    env.reset(seeds=[0])
+    telemetry = env.telemetry
+    assert np.max(np.abs(env.batch.state[: State.Q8])) < 1e-3
+    assert telemetry["right_vertical_load"][0] > telemetry["left_vertical_load"][0] + 5e3
+    assert telemetry["deck_roll"][0] == pytest.approx(np.deg2rad(3.0))
+
+
+@pytest.mark.parametrize(
+    ("task", "scenario", "words"),
+    [
+        ({}, {"start": {"lateral_m": 0.5}}, "start.lateral_m"),
+        ({}, {"helicopter": {"cg_z_m": 3.0}}, "cg_offset_m"),
+    ],
+)
+def test_bad_ranges_are_refused_before_the_first_episode(task: Any, scenario: Any, words: str) -> None:
+    with pytest.raises(ConfigurationError, match=words):
+        Starter(load_helicopter("generic_tricycle"), load_task(task), load_scenario(scenario))
+
+
+def test_wheels() -> None:
+    """Braked mains and a locked castor are options of the task; each reaches the parameters."""
+    from ssmash_gym.dynamics.layout import STATION_ROWS, Sta
+
+    def rows(wheels: str) -> tuple[float, float, float]:
+        column = Starter(load_helicopter("generic_tricycle"), load_task({"wheels": wheels}), load_scenario())._column
+        right = Par.STATION + STATION_ROWS
+        return column[Par.LOCK + State.U14], column[right + Sta.ROLL_LOCK], column[right + STATION_ROWS + Sta.ROLL_LOCK]
+
+    assert (rows("rolling"), rows("braked"), rows("locked")) == ((0.0, 0.0, 0.0), (0.0, 1.0, 1.0), (1.0, 0.0, 0.0))
+
+
+def test_prepared_starts_change_nothing() -> None:
+    """Columns that end at different times get their starts from the nursery: the same bits as the single environment."""
+    arguments: dict[str, Any] = {"task": {"horizon_s": 0.4, "lead_in": {"duration_s": 4.0, "ramp_s": 3.0}}}
+    large = TraverseVectorEnv(9, autoreset_mode="Disabled", threads=1, **arguments)
+    large.reset(seed=40)
+    served = large.core._nursery
+    prepared = 0
+    first: dict[int, list[Any]] = {k: [] for k in range(9)}
+    for episode in range(3):
+        for k in (4, 0, 8, 3, 5, 1, 7, 2, 6):
+            mask = np.arange(9) == k
+            observation, _ = large.reset(options={"reset_mask": mask})
+            first[k].append(observation[k])
+            prepared += len(served._children)
+        assert prepared > 0, episode
+    for k in (0, 4, 6):
+        single = TraverseBatch(1, **arguments)
+        single.reset(seeds=[40 + k])
+        for observation in first[k]:
+            assert np.array_equal(single.reset()[0], observation)
+
+
+def test_a_new_seed_discards_what_was_prepared() -> None:
+    arguments: dict[str, Any] = {"task": {"horizon_s": 0.4, "lead_in": {"duration_s": 4.0, "ramp_s": 3.0}}}
+    large = TraverseVectorEnv(9, autoreset_mode="Disabled", threads=1, **arguments)
+    large.reset(seed=40)
+    large.reset(options={"reset_mask": np.arange(9) == 2})
+    assert 7 in large.core._nursery._children
+    observation, _ = large.reset(seed=[99] * 9, options={"reset_mask": np.arange(9) == 7})
+    assert np.array_equal(observation[7], TraverseBatch(1, **arguments).reset(seeds=[99])[0])
