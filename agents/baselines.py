@@ -21,7 +21,7 @@ Observations = NDArray[np.float32]
 
 SPEED_M_S: Final = 0.2  # assumed, and fixed: every comparison stands on this trapezoid
 ACCELERATION_M_S2: Final = 0.1  # assumed, and fixed: 0.3 would only add a spike of load at either end
-CENTRED_AT_M: Final = 6.0  # assumed: the last two metres are a straight pull, which straightens the helicopter
+CENTRED_AFTER: Final = 0.75  # assumed, share of the track: its end is a straight pull, which straightens the helicopter
 
 YIELD_M_S_PER_N: Final = 4e-6  # k_y: softer is lower in load but ends crooked; limit cycles begin at 8e-6
 CENTRING_PER_S: Final = 0.2  # k_c
@@ -78,7 +78,7 @@ class Trapezoid:
     """Drive by the book: one trapezoid of speed along the track, smoothly onto its centre line.
 
     The claw accelerates at 0.1 m/s2 to 0.2 m/s and stops at the goal by the same ramp. Across, it goes from where it
-    is at the start to the centre line within the first 6 m (a raised cosine of the distance) and rests there. A
+    is at the start to the centre line within the first three quarters of the track (a raised cosine of the distance) and rests there. A
     command is the mean speed of the profile over its interval, so that the commands of a run add up to the track.
 
     Args:
@@ -136,9 +136,14 @@ class Trapezoid:
         falling = 0.5 * ACCELERATION_M_S2 * np.maximum(time - (end_s - ramp_s), 0.0) ** 2
         return np.asarray(rising + top * np.maximum(time - ramp_s, 0.0) - falling)
 
+    def remaining(self, travelled_m: Array) -> Array:
+        """Share of the lateral offset at the start that is left after a distance along the track."""
+        way = travelled_m / (CENTRED_AFTER * self.length_m)
+        return np.asarray(0.5 * (1.0 + np.cos(np.pi * np.clip(way, 0.0, 1.0))))
+
     def across(self, observations: Observations, before: Array, after: Array) -> Array:
         """Way across the track in this interval [m], (n,), while the book goes from `before` to `after` along it."""
-        return np.asarray(self._offset_m * (remaining_share(after) - remaining_share(before)))
+        return np.asarray(self._offset_m * (self.remaining(after) - self.remaining(before)))
 
 
 class Yield(Trapezoid):
@@ -158,11 +163,6 @@ class Yield(Trapezoid):
         yaw_rad = self.readout(observations, "yaw")
         speed = -YIELD_M_S_PER_N * force_N - CENTRING_PER_S * claw_m - STRAIGHTENING_M_S_PER_RAD * yaw_rad
         return np.asarray(speed * self.task.control_interval_s)
-
-
-def remaining_share(travelled_m: Array) -> Array:
-    """Share of the lateral offset at the start that is left after a distance along the track."""
-    return 0.5 * (1.0 + np.cos(np.pi * np.clip(travelled_m / CENTRED_AT_M, 0.0, 1.0)))
 
 
 BASELINES: Final[dict[str, Callable[[TaskConfig], Hold | Trapezoid]]] = {

@@ -8,7 +8,7 @@ TRAVERSE_ID: Final = "ssmash/Traverse-v0"
 
 
 def register_environments() -> None:
-    """Register every id that is not registered yet; the entry points are strings, so nothing is imported or compiled."""
+    """Register every id that is not registered yet; nothing is imported or compiled: the entry points are strings."""
     import gymnasium
 
     if TRAVERSE_ID not in gymnasium.registry:

@@ -24,6 +24,7 @@ from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, OUTPUT_ROWS, Par
 Array = NDArray[np.float64]
 
 WIDE: Final = 8  # numbers in a lane for batches of more than `WIDTH` helicopters
+_CACHE_LINE: Final = 64  # bytes
 _advance_widths: set[int] = set()  # that `advance` has been called for
 
 
@@ -87,7 +88,7 @@ def advance(
     kernel = _kernel(stepper.advance_columns, width)
     blocks = -(-columns.size // width)
     history = commands.shape[0] // 2
-    ripple = int(np.any(parameters[_RIPPLE]))
+    ripple = int(parameters[_RIPPLE].any())
 
     def run(first: int, last: int) -> None:
         room, lanes = _workspace(stepper.advance_room(parameters.shape[0], commands.shape[0]), width)
@@ -109,7 +110,11 @@ _RIPPLE = slice(int(Par.RIPPLE_X), int(Par.RIPPLE_X) + 2)
 
 
 def _workspace(rows: int, width: int) -> tuple[Array, NDArray[np.int64]]:
-    return np.zeros((rows, width)), np.zeros((2, width), np.int64)
+    """Room for a block, and its integers; no row straddles two cache lines."""
+    spare = _CACHE_LINE // 8
+    room = np.zeros(rows * width + spare)
+    start = (-room.ctypes.data % _CACHE_LINE) // 8
+    return room[start : start + rows * width].reshape(rows, width), np.zeros((2, width), np.int64)
 
 
 def derivative(state: Array, parameters: Array, mode: NDArray[np.int64], decks: Array) -> tuple[Array, Array]:

@@ -267,9 +267,10 @@ class TraverseBatch:
         terminated = reasons <= goal
         truncated = (reading.steps >= self.limit_steps) & ~terminated
         book = self.book
-        outcome = Outcome(book.progress[columns], book.alignment[columns], reasons == goal, reasons < goal)
-        terms = rewards(reading, outcome)
-        book.progress[columns], book.alignment[columns] = progress_potential(reading), alignment_potential(reading)
+        progress, alignment = progress_potential(reading), alignment_potential(reading)
+        gained = progress - book.progress[columns], alignment - book.alignment[columns]
+        terms = rewards(reading, Outcome(*gained, success=reasons == goal, failure=reasons < goal))
+        book.progress[columns], book.alignment[columns] = progress, alignment
         reward = _sum(terms, columns.size)
         cost = _sum(costs, columns.size)
         book.returned[columns] += reward

@@ -149,9 +149,7 @@ class RecordedMotions(BaseModel):
         }
 
 
-MotionRanges = Annotated[
-    FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions, Field(discriminator="type")
-]
+MotionRanges = Annotated[FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions, Field(discriminator="type")]
 PLACES: Final = (
     "motion.heel_deg",
     "motion.trim_deg",

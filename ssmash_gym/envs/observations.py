@@ -108,9 +108,7 @@ _TERMS: Final = (
     _channel("probe_fx", "probe force on the helicopter, H axes, x", "N", 1e4, 100.0),
     _channel("probe_fy", "probe force on the helicopter, y", "N", 1e4, 100.0),
     _channel("probe_axial", "axial probe tension", "N", 1e4, 100.0),
-    Term(
-        "probe_peak", "largest in-plane probe load of the last interval", "N", 1e4, 100.0, lambda r: r.probe_peak_N
-    ),
+    Term("probe_peak", "largest in-plane probe load of the last interval", "N", 1e4, 100.0, lambda r: r.probe_peak_N),
     *_station("tire_vertical_deflection", "vertical tire deflection", "m", 0.05, 0.001),
     *_station("tire_lateral_deflection", "lateral tire deflection", "m", 0.02, 0.001),
     *_station("vertical_load", "vertical tire load", "N", 4e4, 200.0),

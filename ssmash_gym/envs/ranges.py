@@ -16,7 +16,8 @@ from scipy.special import ndtr, ndtri
 Number = Annotated[float, Field(allow_inf_nan=False)]
 RANGE_KEYS: Final = frozenset({"constant", "uniform", "choice", "normal"})
 _WRITTEN: Final = (
-    "a range is a number, {uniform: [low, high]}, {choice: [values]} or {normal: [mean, deviation], within: [low, high]}"
+    "a range is a number, {uniform: [low, high]}, {choice: [values]} or "
+    "{normal: [mean, deviation], within: [low, high]}"
 )
 
 

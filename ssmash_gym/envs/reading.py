@@ -135,7 +135,7 @@ def columns_of(telemetry: Telemetry, columns: NDArray[np.int64], *, instant: boo
         pick = columns
     state, outputs = telemetry.state[:, pick], telemetry.outputs[:, pick]
     highs, lows = (outputs, outputs) if instant else (telemetry.highs[:, pick], telemetry.lows[:, pick])
-    tables = (state, outputs, highs, lows)
+    tables: tuple[Array, ...] = (state, outputs, highs, lows)
     with np.errstate(invalid="ignore", over="ignore"):
         bad = ~np.isfinite(sum(table.sum(axis=0) for table in tables))
     if bad.any():

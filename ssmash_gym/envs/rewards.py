@@ -17,7 +17,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the reward needs beyond the reading: the potentials before the interval, and how it ended, (n,) each."""
+    """What the reward needs beyond the reading, (n,) each: the potentials' gain, and how the interval ended."""
 
     progress: Array
     alignment: Array
@@ -52,11 +52,11 @@ def load_excess(r: Reading) -> Array:
 
 
 def _progress(r: Reading, o: Outcome) -> Array:
-    return np.asarray(r.task.reward.progress_per_m * (progress_potential(r) - o.progress))
+    return np.asarray(r.task.reward.progress_per_m * o.progress)
 
 
 def _alignment(r: Reading, o: Outcome) -> Array:
-    return np.asarray(r.task.reward.alignment * (alignment_potential(r) - o.alignment))
+    return np.asarray(r.task.reward.alignment * o.alignment)
 
 
 def _load(r: Reading, o: Outcome) -> Array:

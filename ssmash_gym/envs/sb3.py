@@ -1,4 +1,4 @@
-"""The native batch as a Stable-Baselines3 `VecEnv` (extra ``train``): no sub-environments, no per-step copies of infos."""
+"""The native batch as a Stable-Baselines3 `VecEnv` (extra ``train``), without sub-environments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ssmash_gym.envs.batch_env import BatchSnapshot, TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
-from ssmash_gym.envs.spaces import action_space, checked_render_mode, metadata, observation_space
+from ssmash_gym.envs.spaces import BATCH_RENDER_MODES, action_space, checked_render_mode, metadata, observation_space
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.envs.traverse import reset_info
 from ssmash_gym.simulation.telemetry import Telemetry
@@ -26,7 +26,7 @@ except ImportError as error:
 Array = NDArray[Any]
 
 
-class TraverseVecEnv(VecEnv):  # type: ignore[misc]
+class TraverseVecEnv(VecEnv):
     """N helicopters as one SB3 `VecEnv`; episode for episode the single environment.
 
     Each step's infos hold ``cost`` alone; at an episode's end they hold everything the single environment tells, and
@@ -56,12 +56,12 @@ class TraverseVecEnv(VecEnv):  # type: ignore[misc]
             num_envs, task=task, scenario=scenario, helicopter=helicopter, observation=observation, threads=threads,
             dump_dir=dump_dir, max_episode_steps=max_episode_steps,
         )  # fmt: skip
-        self.render_mode = checked_render_mode(render_mode)
+        self.render_mode = checked_render_mode(render_mode, BATCH_RENDER_MODES)
         shown = range(num_envs) if self.render_mode == "rgb_array" else ()
         self._films = [Film(self.core, k, "rgb_array") for k in shown]
         self._actions: Array = np.zeros((num_envs, 2))
         super().__init__(num_envs, observation_space(self.core), action_space())
-        self.metadata = metadata(self.core)
+        self.metadata = metadata(self.core, BATCH_RENDER_MODES)
 
     @property
     def control_interval_s(self) -> float:

@@ -84,8 +84,7 @@ class ScenarioConfig(_Section):
         """Draw an episode; takes the same numbers from the generator whatever the ranges are."""
         motion_seed, sensor_seed = (int(s) for s in rng.integers(_SEEDS, size=2))
         numbers = dict(zip(_PLACES, rng.random(_RESERVED).tolist(), strict=False))
-        values = {name: self._value(name, numbers[name]) for name in _QUANTITIES}
-        plain = {name.replace(".", "_"): value for name, value in values.items()}
+        plain: dict[str, Any] = {name.replace(".", "_"): self._value(name, numbers[name]) for name in _QUANTITIES}
         return EpisodeDraw(
             **plain, motion=self.motion.draw(numbers.__getitem__), motion_seed=motion_seed, sensor_seed=sensor_seed
         )
@@ -146,7 +145,8 @@ class EpisodeDraw:
         wrong = sorted(known.symmetric_difference(record))
         if wrong:
             raise ConfigurationError(f"draw: the key {wrong[0]} is {'missing' if wrong[0] in known else 'unknown'}.")
-        return cls(**{key: dict(value) if key == "motion" else value for key, value in record.items()})
+        plain: dict[str, Any] = {**record, "motion": dict(record["motion"])}
+        return cls(**plain)
 
 
 _QUANTITIES: Final = (

@@ -11,6 +11,7 @@ from gymnasium import spaces
 from ssmash_gym.envs.batch_env import ACTIONS, TraverseBatch
 
 RENDER_MODES: Final = ("rgb_array", "human")
+BATCH_RENDER_MODES: Final = ("rgb_array",)
 
 
 def action_space() -> spaces.Box:
@@ -24,20 +25,25 @@ def observation_space(core: TraverseBatch) -> spaces.Box:
     return spaces.Box(-clip, clip, (core.observer.size,), np.float32)
 
 
-def metadata(core: TraverseBatch, **more: Any) -> dict[str, Any]:
+def metadata(core: TraverseBatch, modes: tuple[str, ...] = RENDER_MODES, **more: Any) -> dict[str, Any]:
     """Metadata of one instance: a new mapping each time."""
     fps = max(1, round(1.0 / core.control_interval_s))
-    return {"render_modes": list(RENDER_MODES), "render_fps": fps, "control_interval_s": core.control_interval_s, **more}
+    return {
+        "render_modes": list(modes),
+        "render_fps": fps,
+        "control_interval_s": core.control_interval_s,
+        **more,
+    }
 
 
-def checked_render_mode(render_mode: str | None) -> str | None:
-    """The render mode, if there is such a one.
+def checked_render_mode(render_mode: str | None, modes: tuple[str, ...] = RENDER_MODES) -> str | None:
+    """The render mode, if it is one of `modes`.
 
     Raises:
-        ValueError: It is unknown.
+        ValueError: It is none.
     """
-    if render_mode is not None and render_mode not in RENDER_MODES:
-        raise ValueError(f"render_mode = {render_mode!r}: must be None, {' or '.join(map(repr, RENDER_MODES))}")
+    if render_mode is not None and render_mode not in modes:
+        raise ValueError(f"render_mode = {render_mode!r}: must be None or {' or '.join(map(repr, modes))}")
     return render_mode
 
 

@@ -151,7 +151,9 @@ class Starter:
             )
         example = self.scenario.sample(np.random.default_rng(0)).to_dict()
         for end in (0, 1):
-            extreme = {f"helicopter_{key}": (self.scenario.bounds(f"helicopter.{key}") or (0.0, 0.0))[end] for key in _VARIED}
+            extreme = {
+                f"helicopter_{key}": (self.scenario.bounds(f"helicopter.{key}") or (0.0, 0.0))[end] for key in _VARIED
+            }
             if tuple(extreme.values()) != tuple(_VARIED.values()):
                 varied(self.helicopter, EpisodeDraw.from_dict({**example, **extreme}))
 
@@ -186,9 +188,7 @@ class Starter:
             self._records[path] = source
         motion = source.realise(np.random.default_rng(draw.motion_seed))
         duration = self.task.lead_in.duration_s + self.task.horizon_s + self.timing.node_spacing_s
-        return motion.bake(
-            duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s
-        )
+        return motion.bake(duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s)
 
     @cached_property
     def _rest(self) -> Array:

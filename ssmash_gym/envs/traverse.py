@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Observation = NDArray[np.float32]
 
 
-class TraverseEnv(gymnasium.Env[Observation, Observation]):
+class TraverseEnv(gymnasium.Env[Any, Any]):
     """Bring a helicopter, held by its probe, along the deck track of a moving ship into the hangar.
 
     ## Description
@@ -130,7 +130,7 @@ class TraverseEnv(gymnasium.Env[Observation, Observation]):
         terminated, truncated = bool(result.terminated[0]), bool(result.truncated[0])
         return result.observation[0], float(result.reward[0]), terminated, truncated, result.info(0)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """The picture (height, width, 3) in mode ``rgb_array``; None otherwise, the window is already up to date."""
         if self.render_mode is None:
             gymnasium.logger.warn('render() without a mode: give render_mode="rgb_array" or "human" to make().')

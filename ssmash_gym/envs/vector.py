@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from ssmash_gym.envs.batch_env import BatchSnapshot, StepResult, TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
-from ssmash_gym.envs.spaces import action_space, checked_options, checked_render_mode, metadata, observation_space
+from ssmash_gym.envs.spaces import (
+    BATCH_RENDER_MODES,
+    action_space,
+    checked_options,
+    checked_render_mode,
+    metadata,
+    observation_space,
+)
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.envs.traverse import reset_info
 from ssmash_gym.simulation.telemetry import Telemetry
@@ -70,8 +77,8 @@ class TraverseVectorEnv(VectorEnv[Array, Array, Array]):
         self.core = core
         self.num_envs = core.n
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.render_mode = checked_render_mode(render_mode)
-        self.metadata = metadata(core, autoreset_mode=self.autoreset_mode)
+        self.render_mode = checked_render_mode(render_mode, BATCH_RENDER_MODES)
+        self.metadata = metadata(core, BATCH_RENDER_MODES, autoreset_mode=self.autoreset_mode)
         self.single_action_space = action_space()
         self.single_observation_space = observation_space(core)
         self.action_space = batch_space(self.single_action_space, core.n)
@@ -91,12 +98,12 @@ class TraverseVectorEnv(VectorEnv[Array, Array, Array]):
         """The true channels of all helicopters, by name, shape (num_envs,), SI."""
         return self.core.telemetry
 
-    @property
+    @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
         """The generators, one a helicopter; None before its first reset."""
         return tuple(self.core.generators)
 
-    def reset(  # type: ignore[override]
+    def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Start episodes.

@@ -54,7 +54,8 @@ def evaluate(
         film: Film one episode of the agent (extra ``render``).
 
     Raises:
-        ConfigurationError: A name, a file or a number is refused, or an extra is missing; nothing has been written.
+        ConfigurationError: A name, a file or a number is refused; nothing has been written.
+        ImportError: A library is missing; the sentence names the extra.
     """
     if episodes < 1:
         raise ConfigurationError(f"--episodes {episodes} is refused: at least 1.")

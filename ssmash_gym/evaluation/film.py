@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ssmash_gym.envs.scenario import ScenarioConfig
-from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.policies import Policy
 from ssmash_gym.files import whole_file
 
@@ -17,15 +16,13 @@ def require_rendering() -> None:
     """Check that films can be made.
 
     Raises:
-        ConfigurationError: A library is missing; the sentence names the extra.
+        ImportError: A library is missing; the sentence names the extra.
     """
     for name in ("pygame", "imageio_ffmpeg"):
         try:
             __import__(name)
         except ImportError:
-            raise ConfigurationError(
-                f'a film needs {name}: pip install "ssmash_gym[render]", or leave it out.'
-            ) from None
+            raise ImportError(f'a film needs {name}: pip install "ssmash_gym[render]", or say --no-film.') from None
 
 
 def film_episode(
@@ -44,7 +41,7 @@ def film_episode(
         The episode's metrics.
 
     Raises:
-        ConfigurationError: The extra ``render`` is missing.
+        ImportError: The extra ``render`` is missing.
     """
     require_rendering()
     import imageio_ffmpeg

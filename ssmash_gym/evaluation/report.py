@@ -10,7 +10,6 @@ import numpy as np
 import polars as pl
 from rich.table import Table
 
-from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.summary import numbers
 from ssmash_gym.files import whole_file
 
@@ -69,12 +68,12 @@ def require_matplotlib() -> None:
     """Check that plots can be made.
 
     Raises:
-        ConfigurationError: Matplotlib is missing; the sentence names the extra.
+        ImportError: Matplotlib is missing; the sentence names the extra.
     """
     try:
         __import__("matplotlib")
     except ImportError:
-        raise ConfigurationError('plots need Matplotlib: pip install "ssmash_gym[plot]", or leave them out.') from None
+        raise ImportError('plots need Matplotlib: pip install "ssmash_gym[plot]", or say --no-plots.') from None
 
 
 def plot_peaks(episodes: Mapping[str, pl.DataFrame], limit_kN: float, path: Path) -> None:

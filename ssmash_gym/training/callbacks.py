@@ -15,7 +15,11 @@ from typing import Any, Final
 import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from stable_baselines3.common.callbacks import BaseCallback
+
+try:
+    from stable_baselines3.common.callbacks import BaseCallback
+except ImportError as error:
+    raise ImportError('training needs Stable-Baselines3: pip install "ssmash_gym[train]".') from error
 
 COLUMNS: Final = (
     "steps", "episodes", "success_rate", "aligned_rate", "failure_rate", "return_mean", "peak_probe_kN_mean",
@@ -74,7 +78,8 @@ class Curve(BaseCallback):
         now = time.perf_counter()
         line = summary(self.finished)
         self.finished = []
-        std = np.exp(self.model.policy.log_std.detach().numpy())
+        policy: Any = self.model.policy
+        std = np.exp(policy.log_std.detach().numpy())
         line |= {"steps": self.model.num_timesteps, "std_along": float(std[0]), "std_across": float(std[1])}
         line |= {name: float(self.logger.name_to_value.get(key, np.nan)) for name, key in LOGGED.items()}
         line |= {"collect_s": now - self._collect_from, "update_s": self._collect_from - self._update_from}
@@ -166,7 +171,8 @@ class Bar:
         tenth = int(10 * line["steps"] / self.total)
         if not self.console.is_terminal and tenth > self._tenth and line["episodes"]:
             self._tenth = tenth
-            self.console.print(f"{int(line['steps']):>9,} of {self.total:,} steps, {line['wall_s']:.0f} s: {told}")
+            done = f"{int(line['steps']):>9,} of {self.total:,} steps, {line['wall_s']:.0f} s"
+            self.console.print(f"{done}: {told}", soft_wrap=True)
 
 
 @contextmanager

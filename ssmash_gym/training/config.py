@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ssmash_gym.envs.loading import merged, read, validated
+from ssmash_gym.envs.loading import BASE_KEY, merged, read, validated
 from ssmash_gym.errors import ConfigurationError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -127,8 +127,17 @@ def load_training(config: str | Path | Mapping[str, Any], changes: Sequence[str]
     else:
         document, source = read("training", config)
     for change in changes:
-        document = merged(document, parsed_change(change))
+        document = merged(with_bases(document), parsed_change(change))
     return validated(TrainingConfig, document, source)
+
+
+def with_bases(document: Mapping[str, Any]) -> dict[str, Any]:
+    """The document with a named task or scenario written as a mapping, so that a change to it keeps its name."""
+    environment = document.get("environment")
+    if not isinstance(environment, Mapping):
+        return dict(document)
+    named = {key: {BASE_KEY: value} if isinstance(value, str) else value for key, value in environment.items()}
+    return {**document, "environment": named}
 
 
 def parsed_change(change: str) -> dict[str, Any]:

@@ -71,7 +71,7 @@ class Normaliser:
             return observations
         mean, variance = np.asarray(self.observation.mean), np.asarray(self.observation.variance)
         scaled = (observations - mean) / np.sqrt(variance + EPSILON)
-        return np.clip(scaled, -self.clip, self.clip).astype(np.float32)
+        return np.asarray(np.clip(scaled, -self.clip, self.clip), dtype=np.float32)
 
     def write(self, path: Path) -> None:
         """Write the numbers as JSON."""

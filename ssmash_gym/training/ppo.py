@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.training.config import TrainingConfig
 from ssmash_gym.training.seeds import TRAINING, block, network_seed
 
@@ -13,13 +12,13 @@ def require_training() -> None:
     """Check that the libraries for training are there.
 
     Raises:
-        ConfigurationError: One is missing; the sentence names the extra.
+        ImportError: One is missing; the sentence names the extra.
     """
     for name in ("torch", "stable_baselines3", "tensorboard"):
         try:
             __import__(name)
         except ImportError:
-            raise ConfigurationError(
+            raise ImportError(
                 f'training needs {name}, which is not installed: pip install "ssmash_gym[train]".'
             ) from None
 
@@ -41,7 +40,7 @@ def make_environment(config: TrainingConfig) -> Any:
         clip_reward=config.normalise.clip,
         gamma=config.ppo.gamma,
     )
-    native._seeds = block(config.seed, TRAINING, section.count)  # `seed` could only count up from one number
+    native._seeds = list(block(config.seed, TRAINING, section.count))  # `seed` could only count up from one number
     return wrapper
 
 
@@ -49,7 +48,7 @@ def make_model(config: TrainingConfig, environment: Any) -> Any:
     """A fresh PPO model; same configuration and seed, same weights.
 
     Raises:
-        ConfigurationError: PyTorch or Stable-Baselines3 is missing.
+        ImportError: PyTorch or Stable-Baselines3 is missing.
     """
     require_training()
     import torch
@@ -82,8 +81,9 @@ def make_model(config: TrainingConfig, environment: Any) -> Any:
         },
         device="cpu",
     )
+    policy: Any = model.policy
     with torch.no_grad():
-        model.policy.action_net.bias.copy_(torch.tensor(network.initial_action))
+        policy.action_net.bias.copy_(torch.tensor(network.initial_action))
     return model
 
 

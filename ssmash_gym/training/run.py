@@ -40,7 +40,8 @@ def train(
         out: Run folder to make; ``runs/NAME-NUMBER`` by default.
 
     Raises:
-        ConfigurationError: A mistake in the configuration, or a library is missing; nothing has been written.
+        ConfigurationError: A mistake in the configuration; nothing has been written.
+        ImportError: A library is missing; the sentence names the extra.
     """
     require_training()
     console = Console()
@@ -103,7 +104,7 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
         save_agent(run / "agent", model, environment, settings, core.task, core.scenario, card)
         console.print(f"trained for {model.num_timesteps:,} steps: {shown(run / 'agent')}")
     else:
-        console.print(f"stopped at {model.num_timesteps:,} steps; go on with: train.py --resume {shown(run)}")
+        console.print(f"stopped after checkpoint {newest(run).name}; go on with: train.py --resume {shown(run)}")
     environment.close()
     return finished
 

@@ -10,7 +10,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnvWrapper
+
+try:
+    from stable_baselines3.common.vec_env import VecEnvWrapper
+except ImportError as error:
+    raise ImportError('training needs Stable-Baselines3: pip install "ssmash_gym[train]".') from error
 
 
 class Staggered(VecEnvWrapper):
@@ -31,8 +35,9 @@ class Staggered(VecEnvWrapper):
         self.steps = 0
         return np.asarray(self.venv.reset())
 
-    def step_wait(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """One control interval for all."""
+        observations: Any
         observations, rewards, dones, infos = self.venv.step_wait()
         self.steps += 1
         cut = np.flatnonzero((self._stops == self.steps) & ~dones)

@@ -1,4 +1,4 @@
-"""Single, native batch, Gymnasium's own vector environments and SB3 are bit for bit the same. Contract tests 3-7, 15."""
+"""Single, native batch, Gymnasium's own vector environments and SB3 are the same bits. Contract tests 3-7, 15."""
 
 from __future__ import annotations
 
@@ -84,7 +84,10 @@ def sb3_rollout(envs: Any) -> list[Any]:
     said: list[Any] = [envs.reset(), list(envs.reset_infos)]
     for action in actions():
         observation, reward, done, infos = envs.step(action[: envs.num_envs])
-        ends = [{k: v for k, v in info.items() if k != "episode"} if d else None for info, d in zip(infos, done, strict=True)]
+        ends = [
+            {k: v for k, v in info.items() if k != "episode"} if d else None
+            for info, d in zip(infos, done, strict=True)
+        ]
         said.append((observation, np.asarray(reward, np.float32), done, [info["cost"] for info in infos], ends))
     envs.close()
     return said
@@ -141,7 +144,9 @@ def test_reset_mask_resets_only_those(short: dict[str, Any]) -> None:
     state = envs.core.batch.state.copy()
     mask = np.array([False, True, False, True])
     after, infos = envs.reset(seed=[None, 50, None, 51], options={"reset_mask": mask})
-    assert np.array_equal(after[~mask], before[~mask]) and np.array_equal(envs.core.batch.state[:, ~mask], state[:, ~mask])
+    assert np.array_equal(after[~mask], before[~mask]) and np.array_equal(
+        envs.core.batch.state[:, ~mask], state[:, ~mask]
+    )
     assert infos["_draw"].tolist() == mask.tolist()
     assert np.array_equal(after[1], TraverseEnv(**short).reset(seed=50)[0])
     for wrong, error in (([True] * 4, TypeError), (np.zeros(4, bool), ValueError), (np.ones(3, bool), ValueError)):

@@ -15,18 +15,15 @@ from ssmash_gym.dynamics.layout import (
     SPEEDS,
     STATION_ROWS,
     STATIONS,
-    TIRE_PAR,
-    TIRE_ROWS,
     Deck,
     Par,
     Sta,
     State,
-    Tir,
+    StationKind,
 )
-from ssmash_gym.dynamics.oleo import spring_curve
 from ssmash_gym.dynamics.vectors import rotation
 from ssmash_gym.ship import Fixed, MotionTable, Sinusoid
-from ssmash_gym.simulation.batch import Batch, ClawLimits
+from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
 from ssmash_gym.simulation.parameters import Modes
 from ssmash_gym.vehicle import Helicopter, load_helicopter, with_changes
 
@@ -105,8 +102,8 @@ def test_how_fast_the_ship_goes_matters_to_the_wind_only(name: str) -> None:
 def test_the_tricycle_and_its_mirror_image_answer_as_mirror_images(tricycle: Helicopter) -> None:
     """Roll, yaw, sway and lateral claw turned round: port and starboard change places."""
     batch = Batch(tricycle, 2, claw=PROMPT)
-    table = Sinusoid(dof="roll", amplitude_deg=6.0, period_s=5.0, pitch_deg=2.0).bake(5.0, 0.25, ramp_s=1.0).nodes
-    nodes = [table + Sinusoid(dof="sway", amplitude_m=0.5, period_s=7.0).bake(5.0, 0.25, ramp_s=1.0).nodes]
+    table = Sinusoid(dof="roll", amplitude_deg=4.0, period_s=7.0, pitch_deg=1.0).bake(5.0, 0.25, ramp_s=1.0).nodes
+    nodes = [table + Sinusoid(dof="sway", amplitude_m=0.3, period_s=8.0).bake(5.0, 0.25, ramp_s=1.0).nodes]
     nodes.append(nodes[0] * np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], 3))
     batch.set_motion([MotionTable(0.25, rows) for rows in nodes])
     batch.parameters[Par.WIND : Par.WIND + 2] = [[5.0, 5.0], [8.0, -8.0]]
@@ -130,38 +127,359 @@ def test_the_tricycle_and_its_mirror_image_answer_as_mirror_images(tricycle: Hel
 # --- energy --------------------------------------------------------------------------------------------------------
 
 
-def energy(batch: Batch, springs: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Kinetic energy, energy of height and of the struts' gas [J], (N,)."""
+def kinetic_energy(batch: Batch) -> np.ndarray:
+    """Of all four bodies over the still deck [J], (N,)."""
     y, p = batch.state, batch.parameters
     rot = uncompiled(rotation)
     R_SH = np.array(rot(*y[State.Q11 : State.Q11 + 4])).reshape(3, 3, -1)
-    w_H = y[State.U10 : State.U10 + 3]
-    v_H = y[State.U7 : State.U7 + 3]
-    total = 0.5 * p[Par.MASS] * np.sum(v_H**2, axis=0) + spin(p[Par.IXX : Par.IZZ + 1], w_H)
-    total = total - p[Par.MASS] * p[Par.GRAVITY] * y[State.Q10]
+    v_S, w_H = y[State.U7 : State.U7 + 3], y[State.U10 : State.U10 + 3]
+    total = 0.5 * p[Par.MASS] * np.sum(v_S**2, axis=0) + spin(p[Par.IXX : Par.IZZ + 1], w_H)
     for i in range(STATIONS):
         base, row = Par.STATION + i * STATION_ROWS, State.Q15 + 5 * i
+        u, zero = y[State.U13 + 2 * i : State.U15 + 2 * i], np.zeros(batch.n)
+        swings = batch.mode[i] == StationKind.SWING_ARM
         R_HO = np.array(rot(*y[row + 1 : row + 5])).reshape(3, 3, -1)
         r_OW_O = np.array([p[base + Sta.DROOP], p[base + Sta.DROOP + 1], y[row]])
-        r_OW_H = np.einsum("ijn,jn->in", R_HO, r_OW_O)
-        r_HW_H = p[base + Sta.MOUNT : base + Sta.MOUNT + 3] + r_OW_H
-        u, steer = y[State.U13 + 2 * i], y[State.U14 + 2 * i]
-        zero = np.zeros_like(u)
-        swing = batch.mode[i] == 2
-        w_O = np.einsum("ijn,jn->in", R_HO, np.array([zero, u if swing else zero, steer]))
-        slide = np.einsum("ijn,jn->in", R_HO, np.array([zero, zero, zero if swing else u]))
-        v_W = v_H + np.einsum("ijn,jn->in", R_SH, np.cross(w_H, r_HW_H, axis=0) + np.cross(w_O, r_OW_H, axis=0) + slide)
-        w_W = np.einsum("jin,jn->in", R_HO, w_H + w_O)
-        height = -(y[State.Q10] + np.einsum("jn,jn->n", R_SH[2], r_HW_H))
-        mass = p[base + Sta.MASS]
-        total = total + 0.5 * mass * np.sum(v_W**2, axis=0) + spin(p[base + Sta.IXX : base + Sta.IZZ + 1], w_W)
-        total = total + mass * p[Par.GRAVITY] * height
-        x = batch.telemetry[f"{WHEELS[i]}_compression"]
-        total = total + np.interp(x, *springs[i])
+        w_HO_O = np.array([zero, u[0] if swings else zero, u[1]])
+        slide_O = np.array([zero, zero, zero if swings else u[0]])
+        r_HW_H = p[base + Sta.MOUNT : base + Sta.MOUNT + 3] + np.einsum("ijn,jn->in", R_HO, r_OW_O)
+        v_OW_H = np.einsum("ijn,jn->in", R_HO, np.cross(w_HO_O, r_OW_O, axis=0) + slide_O)
+        v_W_S = v_S + np.einsum("ijn,jn->in", R_SH, np.cross(w_H, r_HW_H, axis=0) + v_OW_H)
+        w_W_O = np.einsum("jin,jn->in", R_HO, w_H) + w_HO_O
+        total = total + 0.5 * p[base + Sta.MASS] * np.sum(v_W_S**2, axis=0)
+        total = total + spin(p[base + Sta.IXX : base + Sta.IZZ + 1], w_W_O)
     return np.asarray(total)
 
 
 def spin(t: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """Half w I w of a tensor stored as (xx, xy, xz, yy, yz, zz)."""
     xx, xy, xz, yy, yz, zz = t
     a, b, c = w
     return 0.5 * (xx * a * a + yy * b * b + zz * c * c) + xy * a * b + xz * a * c + yz * b * c
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    name=st.sampled_from(HELICOPTERS),
+    seed=st.integers(0, 2**32 - 1),
+    braked=st.booleans(),
+    held=st.booleans(),
+    model=st.sampled_from(["smiley_horne", "linear"]),
+)
+def test_a_kick_gives_all_the_energy_there_ever_is(name: str, seed: int, braked: bool, held: bool, model: str) -> None:
+    """Still deck, still claw: the kinetic energy never again reaches what the kick gave, and it dies out."""
+    batch = Batch(with_changes(load_helicopter(name), {"tire_model": model}), 8, claw=PROMPT)
+    batch.parameters[Par.PROBE_ACTIVE] = float(held)
+    if braked:
+        brake(batch)
+    batch.place(0.0, 0.0, 0.0)
+    scale = np.array([0.3, 0.3, 0.3, 0.1, 0.1, 0.1, *[0.3, 0.1] * STATIONS])
+    kick = np.random.default_rng(seed).normal(size=(SPEEDS, batch.n)) * scale[:, None]
+    batch.state[:SPEEDS] = kick * (batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] == 0.0)
+    first, last = kinetic_energy(batch), np.zeros(batch.n)
+    for _ in range(40):
+        batch.advance(intervals=1)
+        last = kinetic_energy(batch)
+        assert np.all(last < first)
+    still = 0.1 if held or braked else 1.0  # one that neither holds rolls on
+    assert np.all(last < still * first)
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_the_work_of_the_claw_is_kinetic_energy_and_losses(name: str) -> None:
+    """Level and straight: to speed, five seconds of towing, and back to rest."""
+    batch = at_rest(load_helicopter(name), timing=Timing(0.002, 0.01))
+    work, before, done = 0.0, 0.0, []
+    for k in range(800):
+        batch.advance([[1.0 if k < 500 else 0.0, 0.0]])
+        along = batch.telemetry["probe_fx"][0] * np.cos(batch.telemetry["pitch"][0])
+        power = along * batch.telemetry["claw_vx"][0]
+        work += 0.01 * 0.5 * (before + power)
+        before = power
+        done.append(work)
+        if k == 499:
+            kinetic = kinetic_energy(batch)[0]
+            drag = -np.sum([batch.telemetry[f"{wheel}_longitudinal_load"][0] for wheel in WHEELS])
+    mass = weight(batch)[0] / 9.81
+    assert kinetic == pytest.approx(0.5 * mass * 0.3**2, rel=1e-3)
+    assert done[499] > kinetic + drag * 1.3
+    assert done[499] - done[399] == pytest.approx(drag * 0.3, rel=0.03)  # steady towing pays for the rolling only
+    assert drag * 1.3 < done[-1] < done[499] - 0.5 * kinetic  # what was lent comes back, what rolling took does not
+    assert kinetic_energy(batch)[0] < 0.01 * kinetic
+
+
+# --- locks ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_every_lock_holds_its_speed_and_only_that(name: str) -> None:
+    """Column k locks speed k; the last locks none. A lock holds the very speed it finds."""
+    batch = Batch(load_helicopter(name), SPEEDS + 1, claw=PROMPT)
+    batch.place(0.0, 0.0, 0.05)
+    batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] = 0.0
+    batch.parameters[Par.LOCK + np.arange(SPEEDS), np.arange(SPEEDS)] = 1.0
+    kick = np.random.default_rng(5).normal(size=SPEEDS) * 0.05
+    batch.state[:SPEEDS] = kick[:, None]
+    for _ in range(3):
+        batch.advance([[0.5, 0.5]] * batch.n)
+        speeds = batch.state[:SPEEDS]
+        same = speeds == kick[:, None]
+        assert np.array_equal(same, np.eye(SPEEDS, SPEEDS + 1, dtype=bool))
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_all_locks_together_make_a_statue(name: str) -> None:
+    batch = at_rest(load_helicopter(name))
+    batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] = 1.0
+    before = batch.state[: State.TIRE].copy()
+    batch.set_motion([Sinusoid(dof="roll", amplitude_deg=8.0, period_s=4.0).bake(3.0, 0.25)])
+    for _ in range(10):
+        batch.advance([[0.1, 0.1]])
+    np.testing.assert_allclose(batch.state[: State.TIRE], before, rtol=0.0, atol=1e-15)
+    assert batch.telemetry["probe_in_plane"][0] > 1e4
+
+
+def test_locked_wheels_stand_and_free_wheels_roll(tricycle: Helicopter) -> None:
+    batch = Batch(tricycle, 2, claw=PROMPT)
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    batch.place(0.0, 0.0, 0.0)
+    for i in range(STATIONS):
+        batch.parameters[Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK, 0] = 1.0
+    batch.set_motion([Fixed(pitch_deg=4.0).bake(1.0, 0.25)] * 2)
+    start = batch.state[State.Q8].copy()
+    for _ in range(20):
+        batch.advance()
+    gone = batch.state[State.Q8] - start
+    assert abs(gone[0]) < 0.03
+    assert gone[1] == pytest.approx(-0.5 * 9.81 * np.sin(np.deg2rad(4.0)) * 2.0**2, rel=0.05)  # downhill, aft
+
+
+@pytest.mark.parametrize("locked", [True, False])
+def test_steering_lock_decides_whether_the_wheel_castors(tricycle: Helicopter, locked: bool) -> None:
+    batch = at_rest(tricycle)
+    batch.parameters[Par.LOCK + State.U14] = float(locked)
+    for _ in range(40):
+        batch.advance([[1.0, 0.5]])
+    steer = abs(batch.telemetry["auxiliary_steer"][0])
+    assert steer == 0.0 if locked else steer > 0.01
+
+
+# --- external wrenches ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_a_vertical_force_on_any_body_is_carried_by_the_wheels(name: str) -> None:
+    """Columns: none, on the helicopter, on each carriage; down is +z, in H and W axes of a level helicopter."""
+    batch = Batch(load_helicopter(name), 2 + STATIONS, claw=PROMPT)
+    rows = [Par.WRENCH_H + 2] + [Par.WRENCH_W + 6 * i + 2 for i in range(STATIONS)]
+    for k, row in enumerate(rows):
+        batch.parameters[row, 1 + k] = 2000.0
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    brake(batch)
+    assert np.all(batch.place(0.0, 0.0, 0.0) < 1e-6)
+    got = loads(batch)
+    up = np.array([2000.0 * cosine(batch, k) for k in range(1, batch.n)])
+    np.testing.assert_allclose(np.sum(got, axis=0)[1:], weight(batch)[0] + up, rtol=1e-9)
+    assert np.sum(got[:, 0]) == pytest.approx(weight(batch)[0], rel=1e-9)
+    change = got - got[:, :1]
+    for i in range(STATIONS):  # a carriage's own wheel carries nearly all of it
+        assert change[i, 2 + i] > 1900.0
+        assert np.all(np.abs(np.delete(change[:, 2 + i], i)) < 150.0)
+    assert np.all(change[:, 1] > 200.0)
+
+
+def cosine(batch: Batch, k: int) -> float:
+    """Between the vertical and the z axis of the body that column k of the test above pulls at."""
+    rot = uncompiled(rotation)
+    R = np.array(rot(*batch.state[State.Q11 : State.Q11 + 4, k])).reshape(3, 3)
+    if k > 1:
+        row = State.Q15 + 5 * (k - 2) + 1
+        R = R @ np.array(rot(*batch.state[row : row + 4, k])).reshape(3, 3)
+    return float(R[2, 2])
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_a_side_force_is_taken_up_by_the_tires(name: str) -> None:
+    batch = Batch(load_helicopter(name), 2, claw=PROMPT)
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    batch.parameters[Par.LOCK + State.U14] = 1.0
+    batch.parameters[Par.WRENCH_H + 1, 1] = 3000.0
+    assert np.all(batch.place(0.0, 0.0, 0.0) < 1e-6)
+    side = np.sum([batch.telemetry[f"{wheel}_lateral_load"] for wheel in WHEELS], axis=0)
+    assert side[0] == pytest.approx(0.0, abs=1e-3)
+    assert side[1] == pytest.approx(-3000.0, rel=2e-3)  # rolled half a degree, headed a little off
+    assert batch.telemetry["roll"][1] > 0.002
+    assert loads(batch)[1, 1] > loads(batch)[1, 0] + 500.0 and loads(batch)[2, 1] < loads(batch)[2, 0] - 500.0
+
+
+def test_moments_turn_about_their_own_axes(tricycle: Helicopter) -> None:
+    """A couple moves load between the wheels by its size over their distance."""
+    batch = Batch(tricycle, 3, claw=PROMPT)
+    batch.parameters[Par.WRENCH_H + 3, 1] = 2000.0  # starboard down
+    batch.parameters[Par.WRENCH_H + 4, 2] = 2000.0  # nose up
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    brake(batch)
+    assert np.all(batch.place(0.0, 0.0, 0.0) < 1e-6)
+    change = loads(batch) - loads(batch)[:, :1]
+    x, y = (np.array([batch.telemetry[f"{wheel}_contact_{axis}"] for wheel in WHEELS]) for axis in "xy")
+    # The roll it makes shifts the c.g. too, which adds; the pitch lifts the nose, which shifts the c.g. aft.
+    assert 1.0 < change[1, 1] * (y[1, 1] - y[2, 1]) / 2000.0 < 1.4
+    assert change[1, 1] == pytest.approx(-change[2, 1] - change[0, 1], rel=1e-7)
+    assert 1.0 < -change[0, 2] * (x[0, 2] - x[1, 2]) / 2000.0 < 1.4
+
+
+# --- every choice of model -----------------------------------------------------------------------------------------
+
+
+def final_state(helicopter: Helicopter, modes: Modes | None = None, **rows: float) -> np.ndarray:
+    """A sharp traverse with brakes on the mains, on a rolling deck, from one given state."""
+    batch = Batch(helicopter, 1, modes=modes, claw=ClawLimits(delay_s=0.0, speed_across_m_s=0.3))
+    if modes is not None and modes.claw == "prescribed":
+        batch.prescribe_claw(np.zeros((1, 2, 9)))
+    batch.place(0.0, 0.0, 0.05)
+    brake(batch, (1, 2))
+    batch.set_motion([Sinusoid(dof="roll", amplitude_deg=6.0, period_s=5.0).bake(4.0, 0.25)])
+    for k in range(30):
+        batch.advance([[0.5, 1.0 if k < 10 else -1.0]])
+    assert not batch.diverged[0]
+    assert np.all(np.isfinite(batch.state)) and np.all(np.isfinite(batch.telemetry.outputs))
+    return batch.state[: State.TIRE, 0].copy()
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_every_mode_runs_and_is_a_choice(name: str) -> None:
+    stages = {f"probe.{kind}_stiffness_{axis}_Npm": value for kind, axis, value in (
+        ("small", "x", 6.0e5), ("small", "y", 3.0e5), ("large", "x", 2.0e6), ("large", "y", 1.2e6))}  # fmt: skip
+    helicopter = with_changes(load_helicopter(name), {**stages, "probe.transition_x_m": 0.003})
+    default = final_state(helicopter)
+    others = [
+        Modes(contact="centre"), Modes(friction="friction_circle"), Modes(friction="independent"),
+        Modes(probe_law="ellipse"), Modes(probe_law="printed"), Modes(claw="prescribed"),
+    ]  # fmt: skip
+    found = [default] + [final_state(helicopter, modes) for modes in others]
+    for i, a in enumerate(found):
+        for b in found[:i]:
+            assert np.max(np.abs(a - b)) > 1e-5
+    assert np.array_equal(final_state(helicopter, Modes()), default)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"tire_model": "linear"},
+        {f"stations.{wheel}.spring": LINEAR for wheel in WHEELS},
+        {"stations.auxiliary.spring": LINEAR, "tire_model": "linear"},
+        {"stations.auxiliary.tires.0.type": "I", "stations.auxiliary.tires.1.type": "III"},
+    ],
+    ids=["linear tires", "linear struts", "mixed", "tire types"],
+)
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_every_element_runs_and_carries_the_weight(name: str, changes: dict[str, Any]) -> None:
+    helicopter = load_helicopter(name)
+    changed = with_changes(helicopter, changes)
+    batch = at_rest(with_changes(changed, {"probe.active": False}))
+    assert np.sum(loads(batch)) == pytest.approx(weight(batch)[0], rel=1e-9)
+    assert np.max(np.abs(final_state(changed) - final_state(helicopter))) > 1e-4
+
+
+def test_single_tires_carry_what_twins_carried(tricycle: Helicopter) -> None:
+    document = {f"stations.{wheel}.tires": [] for wheel in WHEELS}
+    for wheel, station in zip(WHEELS, tricycle.station_tuple, strict=True):
+        tire = station.tires[0].model_dump(mode="json")
+        tire["position_m"] = [0.0, 0.0, 0.0]
+        tire["pressure_Pa"] = 1.9 * tire["pressure_Pa"]
+        document[f"stations.{wheel}.tires"] = [tire]
+    single, twin = at_rest(with_changes(tricycle, document)), at_rest(tricycle)
+    np.testing.assert_allclose(loads(single), loads(twin), rtol=0.02)
+    deflections = [b.telemetry["right_tire_vertical_deflection"][0] for b in (single, twin)]
+    assert deflections[0] == pytest.approx(deflections[1], rel=0.2)
+    assert not np.any(single.state[State.TIRE + 3 : State.TIRE + 6])  # the second tire is not there
+
+
+@pytest.mark.parametrize(("contact", "low", "high"), [("contact", 200.0, 1200.0), ("centre", -9000.0, -2500.0)])
+def test_rolling_over_standing_tires_is_camber_not_a_side_step(
+    tricycle: Helicopter, contact: str, low: float, high: float
+) -> None:
+    """All twelve speeds are prescribed by their locks: two degrees of roll about the deck under the nose wheel."""
+    batch = at_rest(tricycle, modes=Modes(contact=contact))
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] = 1.0
+    rate = np.deg2rad(2.0) / 0.5
+    batch.state[:SPEEDS] = 0.0
+    batch.state[State.U10] = rate
+    batch.state[State.U8] = -rate * batch.state[State.Q10]  # the c.g. moves to starboard as the tires stand
+    for _ in range(5):
+        batch.advance()
+    batch.state[:SPEEDS] = 0.0
+    batch.evaluate()
+    assert np.rad2deg(batch.telemetry["roll"][0]) == pytest.approx(2.0, abs=0.01)
+    assert low < 0.5 * batch.telemetry["auxiliary_lateral_load"][0] < high  # a tire
+
+
+# --- the probe: captured, disabled, lost -----------------------------------------------------------------------------
+
+
+def test_a_disabled_probe_does_nothing(tricycle: Helicopter) -> None:
+    batch = at_rest(with_changes(tricycle, {"probe.active": False}))
+    x = batch.state[State.Q8, 0]
+    for _ in range(10):
+        telemetry = batch.advance([[1.0, 1.0]])
+        assert telemetry.peak_max("probe_in_plane")[0] == 0.0 and telemetry.peak_max("probe_axial")[0] == 0.0
+    assert batch.state[State.Q8, 0] == pytest.approx(x, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_an_open_claw_captures_the_probe_it_passes_under(name: str) -> None:
+    changes = {"probe.captured": False, "probe.capture_radius_m": 0.03}
+    batch = Batch(with_changes(load_helicopter(name), changes), 2, claw=PROMPT)
+    batch.place(0.0, 0.0, 0.0)
+    batch.state[State.CLAW_X] = [-0.4, -0.4]
+    batch.state[State.CLAW_Y] = [0.0, 0.04]  # the second passes beside the window
+    captured = []
+    for _ in range(40):
+        gap = batch.telemetry["probe_x"] - batch.telemetry["claw_x"]
+        telemetry = batch.advance([[1.0, 0.0]] * 2)
+        captured.append(telemetry["probe_captured"][0])
+        if captured[-1] == 0.0:
+            assert telemetry.peak_max("probe_in_plane")[0] == 0.0
+        elif captured[-2] == 0.0:
+            assert 0.03 < gap[0] < 0.06  # it comes 0.03 m nearer in an interval
+            assert 2.5e4 < telemetry.peak_max("probe_in_plane")[0] < 5.0e4  # 0.03 m at 1.22 MN/m
+    assert captured[0] == 0.0 and captured[-1] == 1.0
+    assert np.all(np.diff(captured) >= 0.0)  # for good
+    assert batch.telemetry["probe_captured"][1] == 0.0
+    assert batch.telemetry["position_x"][0] > batch.telemetry["position_x"][1] + 0.3
+
+
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_a_probe_that_hangs_above_the_claw_is_not_captured(name: str) -> None:
+    changes = {"probe.captured": False, "probe.ultimate_load_N": 1e9}
+    batch = Batch(with_changes(load_helicopter(name), changes), 1, claw=PROMPT)
+    batch.place(0.0, 0.0, 0.0)
+    batch.state[State.Q10] -= 0.3  # dropped from there, onto the claw
+    captured, reach = [], []
+    for _ in range(8):
+        telemetry = batch.advance()
+        captured.append(telemetry["probe_captured"][0])
+        reach.append(telemetry.peak_min("probe_reach")[0])
+        assert captured[-1] == (min(reach) <= 1.0)
+    assert captured[0] == 0.0 and captured[-1] == 1.0
+
+
+def test_above_its_ultimate_load_the_probe_is_lost_and_the_helicopter_free(tricycle: Helicopter) -> None:
+    batch = Batch(with_changes(tricycle, {"probe.ultimate_load_N": 20000.0}), 1, claw=PROMPT)
+    batch.place(0.0, 0.0, 0.0)
+    brake(batch)
+    peak, lost = 0.0, []
+    for _ in range(20):
+        telemetry = batch.advance([[1.0, 0.0]])
+        peak = max(peak, telemetry.peak_max("probe_in_plane")[0])
+        lost.append(telemetry["probe_lost"][0])
+    assert 20000.0 < peak < 22000.0
+    assert lost[0] == 0.0 and lost[-1] == 1.0 and np.all(np.diff(lost) >= 0.0)
+    assert batch.telemetry["probe_captured"][0] == 0.0
+    assert batch.telemetry["probe_in_plane"][0] == 0.0
+    assert batch.telemetry["claw_x"][0] > batch.telemetry["probe_x"][0] + 0.2
+    batch.state[State.CLAW_X] = batch.telemetry["probe_x"]
+    batch.advance()
+    assert batch.telemetry["probe_captured"][0] == 0.0  # a lost probe is not captured again

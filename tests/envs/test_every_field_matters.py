@@ -1,4 +1,4 @@
-"""Every field of the task and of the scenario changes what happens; a new field must be added here. Contract test 13."""
+"""Every field of the task and of the scenario changes what happens; new ones must be added. Contract test 13."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.vehicle import load_helicopter
 
-# A short way to a near goal, which is reached and held before the time is up; every term and limit has something to say.
+# A short way to a near goal, which is reached and held in time; every term and limit has something to say.
 TASK: dict[str, Any] = {
     "horizon_s": 1.2,
     "grace_s": 0.2,
@@ -177,7 +177,9 @@ def test_field_of_the_task(path: str, reference: list[Any]) -> None:
     action = needs.pop("action", (0.5, -0.5))
     scenario = laid_over(SCENARIO, needs.pop("scenario", {}))
     task = laid_over(TASK, *(nested(key, other) for key, other in needs.items()))
-    before = reference if task == TASK and scenario == SCENARIO and action == (0.5, -0.5) else told(task, scenario, action)
+    before = (
+        reference if task == TASK and scenario == SCENARIO and action == (0.5, -0.5) else told(task, scenario, action)
+    )
     assert told(laid_over(task, nested(path, value)), scenario, action) != before
 
 
@@ -188,7 +190,9 @@ def test_field_of_the_scenario(path: str, reference: list[Any]) -> None:
     task = laid_over(TASK, needs.pop("task", {}))
     scenario = laid_over(SCENARIO, *(nested(key, other) for key, other in needs.items()))
     before = reference if task == TASK and scenario == SCENARIO else told(task, scenario)
-    changed = {**scenario, "motion": {"type": value}} if path == "motion.type" else laid_over(scenario, nested(path, value))
+    changed = (
+        {**scenario, "motion": {"type": value}} if path == "motion.type" else laid_over(scenario, nested(path, value))
+    )
     assert told(task, changed) != before
 
 

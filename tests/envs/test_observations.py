@@ -118,7 +118,7 @@ def test_the_future_is_not_observed() -> None:
     env, other = make(1), make(1)
     env.reset(seeds=[5]), other.reset(seeds=[5])
     now = int(env.batch.time_s[0] / env.batch.timing.node_spacing_s)
-    other.batch._nodes[0, now + 2 :] += 0.3
+    other.batch._nodes[0, now + 2 :] += 1e-3
     same = other.batch.nodes[0, now + 1] - env.batch.nodes[0, now + 1]
     assert not same.any()
     for k in range(2):

@@ -12,7 +12,7 @@ from ssmash_gym.dynamics.layout import Par, State
 from ssmash_gym.envs import load_scenario, load_task
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.scenario import EpisodeDraw
-from ssmash_gym.envs.starts import Starter, relative_wind, vary, varied
+from ssmash_gym.envs.starts import Starter, relative_wind, varied, vary
 from ssmash_gym.envs.vector import TraverseVectorEnv
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation.parameters import parameter_column
@@ -118,7 +118,7 @@ def test_wheels() -> None:
 
 
 def test_prepared_starts_change_nothing() -> None:
-    """Columns that end at different times get their starts from the nursery: the same bits as the single environment."""
+    """Columns that end at different times get their starts from the nursery: the single environment's bits."""
     arguments: dict[str, Any] = {"task": {"horizon_s": 0.4, "lead_in": {"duration_s": 4.0, "ramp_s": 3.0}}}
     large = TraverseVectorEnv(9, autoreset_mode="Disabled", threads=1, **arguments)
     large.reset(seed=40)

@@ -19,7 +19,12 @@ SPREAD = half_spread(load_helicopter("generic_tricycle"))
 UPRIGHT = {f"{s}_vertical_load": 34e3 for s in ("auxiliary", "right", "left")}
 
 
-def reading(now: dict[str, float] | None = None, highs: dict[str, float] | None = None, lows: dict[str, float] | None = None, **more: Any) -> Reading:
+def reading(
+    now: dict[str, float] | None = None,
+    highs: dict[str, float] | None = None,
+    lows: dict[str, float] | None = None,
+    **more: Any,
+) -> Reading:
     """A single helicopter whose channels have the given values; extremes are the instant's unless given."""
     tables = []
     for extra in ({}, highs or {}, lows or {}):
@@ -38,19 +43,20 @@ def reading(now: dict[str, float] | None = None, highs: dict[str, float] | None 
     return Reading(**{**fields, **more})
 
 
-def outcome(r: Reading, success: bool = False, failure: bool = False) -> Outcome:
-    return Outcome(progress_potential(r), alignment_potential(r), np.array([success]), np.array([failure]))
-
-
-def terms(r: Reading, before: Outcome) -> dict[str, float]:
-    return {name: float(values[0]) for name, values in rewards(r, before).items()}
+def terms(r: Reading, before: Reading | None = None, success: bool = False, failure: bool = False) -> dict[str, float]:
+    """The reward's terms of an interval that led from one reading to another."""
+    start = r if before is None else before
+    progress = progress_potential(r) - progress_potential(start)
+    alignment = alignment_potential(r) - alignment_potential(start)
+    outcome = Outcome(progress, alignment, np.array([success]), np.array([failure]))
+    return {name: float(values[0]) for name, values in rewards(r, outcome).items()}
 
 
 def test_progress_pays_metres_and_telescopes() -> None:
     here, there = reading({"claw_x": 2.0}), reading({"claw_x": 2.02})
-    assert terms(there, outcome(here))["progress"] == pytest.approx(0.02)
-    assert terms(here, outcome(there))["progress"] == pytest.approx(-0.02)
-    assert terms(reading({"claw_x": 8.1}), outcome(reading({"claw_x": 8.0})))["progress"] == pytest.approx(-0.1)
+    assert terms(there, here)["progress"] == pytest.approx(0.02)
+    assert terms(here, there)["progress"] == pytest.approx(-0.02)
+    assert terms(reading({"claw_x": 8.1}), reading({"claw_x": 8.0}))["progress"] == pytest.approx(-0.1)
 
 
 def test_alignment_counts_near_the_goal_alone() -> None:
@@ -59,30 +65,30 @@ def test_alignment_counts_near_the_goal_alone() -> None:
     assert alignment_potential(reading({**crooked, "claw_x": 6.0}))[0] == pytest.approx(-1.0)
     assert alignment_potential(reading({**crooked, "claw_x": 8.0}))[0] == pytest.approx(-2.0)
     before, after = reading({**crooked, "claw_x": 8.0}), reading({"probe_y": 0.15, "claw_x": 8.0})
-    assert terms(after, outcome(before))["alignment"] == pytest.approx(TASK.reward.alignment)
+    assert terms(after, before)["alignment"] == pytest.approx(TASK.reward.alignment)
 
 
 @pytest.mark.parametrize(("load", "shaped"), [(5.9e3, 0.0), (9e3, 0.25), (12e3, 1.0), (18e3, 4.0), (24e3, 8.0)])
 def test_load_costs_the_square_of_the_excess_then_linearly(load: float, shaped: float) -> None:
     r = reading(highs={"probe_in_plane": load})
-    assert terms(r, outcome(r))["load"] == pytest.approx(-0.2 * 0.1 * shaped)
+    assert terms(r)["load"] == pytest.approx(-0.2 * 0.1 * shaped)
     early = reading(highs={"probe_in_plane": load}, counted=np.array([False]))
-    assert terms(early, outcome(early))["load"] == 0.0
+    assert terms(early)["load"] == 0.0
 
 
 def test_command_time_success_failure() -> None:
     r = reading(command=np.array([[1.0, -0.5]]), previous=np.array([[0.0, 0.5]]))
-    found = terms(r, outcome(r))
+    found = terms(r)
     assert found["command_rate"] == pytest.approx(-0.01 * 2.0)
     assert found["time"] == pytest.approx(-0.01)
     assert (found["success"], found["failure"]) == (0.0, 0.0)
-    assert terms(r, outcome(r, success=True))["success"] == 10.0
-    assert terms(r, outcome(r, failure=True))["failure"] == -15.0
+    assert terms(r, success=True)["success"] == 10.0
+    assert terms(r, failure=True)["failure"] == -15.0
 
 
 def test_broken_numbers_leave_the_failure_alone() -> None:
     r = reading({"claw_x": 2.0}, broken=np.array([True]))
-    found = terms(r, outcome(reading(), failure=True))
+    found = terms(r, reading(), failure=True)
     assert sum(found.values()) == found["failure"] == -15.0
 
 
@@ -115,7 +121,8 @@ def test_the_probe_has_its_grace() -> None:
 
 
 @pytest.mark.parametrize(
-    ("claw_x", "y", "inside"), [(0.0, 2.3, True), (0.0, 2.5, False), (5.9, 2.3, True), (6.0, 2.3, False), (6.0, 1.8, True)]
+    ("claw_x", "y", "inside"),
+    [(0.0, 2.3, True), (0.0, 2.5, False), (5.9, 2.3, True), (6.0, 2.3, False), (6.0, 1.8, True)],
 )
 def test_corridor_narrows_in_the_door(claw_x: float, y: float, inside: bool) -> None:
     """Every wheel counts, the outer one of a twin too: a main station's tires are 0.15 to 0.2 m off its middle."""
