@@ -78,8 +78,9 @@ class Trapezoid:
     """Drive by the book: one trapezoid of speed along the track, smoothly onto its centre line.
 
     The claw accelerates at 0.1 m/s2 to 0.2 m/s and stops at the goal by the same ramp. Across, it goes from where it
-    is at the start to the centre line within the first three quarters of the track (a raised cosine of the distance) and rests there. A
-    command is the mean speed of the profile over its interval, so that the commands of a run add up to the track.
+    is at the start to the centre line within the first three quarters of the track (a raised cosine of the distance)
+    and rests there. A command is the mean speed of the profile over its interval, so that the commands of a run add up
+    to the track.
 
     Args:
         task: The task it is to be used in.

@@ -14,14 +14,15 @@ from enum import IntEnum
 from typing import Any, Final
 
 from llvmlite import binding
-from numba.core import ir, types
-from numba.core.codegen import JITCodeLibrary
+from numba.core import config, ir, types
+from numba.core.codegen import JITCodeLibrary, get_host_cpu_features
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
 from numba.core.errors import TypingError
 from numba.core.ir_utils import build_definitions
+from numba.core.lowering import Lower
 from numba.core.registry import CPUDispatcher
-from numba.core.typed_passes import NopythonRewrites, NopythonTypeInference
+from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
 from numba.core.untyped_passes import FixupArgs, InlineClosureLikes, InlineInlinables, WithLifting
 
 from ssmash_gym.dynamics import lowering as lowering  # registers lanes with Numba
@@ -31,7 +32,14 @@ INNER_OPTIONS: Final = {"no_cpython_wrapper": True, "forceinline": True}
 ALLOCATORS: Final = frozenset(
     ("array", "copy", "empty", "empty_like", "full", "full_like", "ones", "ones_like", "zeros", "zeros_like")
 )
+CACHE_LINE: Final = 64  # bytes, and those of the widest lane
 NEEDLESS: Final = (WithLifting, InlineClosureLikes, InlineInlinables, NopythonRewrites)  # nothing for them in kernels
+
+
+def has_wide_vectors() -> bool:
+    """Whether the processor that kernels are compiled for works on 8 doubles in one instruction (AVX-512)."""
+    features = get_host_cpu_features() if config.CPU_FEATURES is None else config.CPU_FEATURES
+    return "+avx512f" in features.split(",")
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -115,13 +123,32 @@ def _holds_array(ty: Any) -> bool:
     return any(_holds_array(item) for item in ty) if isinstance(ty, types.BaseTuple) else isinstance(ty, types.Array)
 
 
+class _AlignedLower(Lower):
+    """Lowering of a function whose stack begins at a cache line: a lane kept on it does not straddle two."""
+
+    def setup_function(self, fndesc: Any) -> None:
+        super().setup_function(fndesc)
+        self.function.attributes.add("nounwind")  # with no attribute in the set llvmlite leaves the alignment out
+        self.function.attributes.alignstack = CACHE_LINE
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _AlignedLowering(NativeLowering):
+    _name = "ssmash_aligned_lowering"
+
+    @property
+    def lowering_class(self) -> type[Lower]:
+        return _AlignedLower
+
+
 class KernelCompiler(CompilerBase):
     """Numba's pipeline with rows of tables folded to integers and without the passes that kernels do not need."""
 
     def define_pipelines(self) -> list[PassManager]:
         """The one pipeline."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.passes = [entry for entry in passes.passes if entry[0] not in NEEDLESS]
+        replaced = {NativeLowering: _AlignedLowering}
+        passes.passes = [(replaced.get(entry, entry), why) for entry, why in passes.passes if entry not in NEEDLESS]
         if self.state.func_ir is None:
             passes.add_pass_after(_FoldEnums, FixupArgs)
         passes.add_pass_after(_RefuseArrays, NopythonTypeInference)

@@ -2,7 +2,7 @@
 
 The result of a column depends neither on its neighbours, nor on the batch size, nor on the number of threads: a
 block of lanes computes each lane by itself, and blocks are handed to a thread pool (the kernels hold no lock).
-Large batches run on wider lanes than small ones, for speed: the bits are the same.
+Where the processor has the instructions, larger batches run on wider lanes than small ones: the bits are the same.
 """
 
 from __future__ import annotations
@@ -18,13 +18,15 @@ from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import stepper
 from ssmash_gym.dynamics.cache import enable_kernel_cache
+from ssmash_gym.dynamics.compiler import CACHE_LINE, has_wide_vectors
 from ssmash_gym.dynamics.lane import WIDTH, of_width
 from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, OUTPUT_ROWS, Par
 
 Array = NDArray[np.float64]
 
-WIDE: Final = 8  # numbers in a lane for batches of more than `WIDTH` helicopters
-_CACHE_LINE: Final = 64  # bytes
+# Numbers in a lane for batches of more than `WIDTH` helicopters. Where a lane of 8 takes two instructions each time,
+# it is slower than two of 4.
+WIDE: Final = 8 if has_wide_vectors() else WIDTH
 _advance_widths: set[int] = set()  # that `advance` has been called for
 
 
@@ -111,9 +113,9 @@ _RIPPLE = slice(int(Par.RIPPLE_X), int(Par.RIPPLE_X) + 2)
 
 def _workspace(rows: int, width: int) -> tuple[Array, NDArray[np.int64]]:
     """Room for a block, and its integers; no row straddles two cache lines."""
-    spare = _CACHE_LINE // 8
+    spare = CACHE_LINE // 8
     room = np.zeros(rows * width + spare)
-    start = (-room.ctypes.data % _CACHE_LINE) // 8
+    start = (-room.ctypes.data % CACHE_LINE) // 8
     return room[start : start + rows * width].reshape(rows, width), np.zeros((2, width), np.int64)
 
 

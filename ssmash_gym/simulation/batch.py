@@ -297,32 +297,44 @@ class Batch:
             The telemetry of the whole batch; only the listed columns have changed.
 
         Raises:
-            ValueError: a command is not finite or beyond +-1, or a deck-motion table ends before the interval does.
+            ValueError: a command is not finite or beyond +-1, there is no interval to run, or a deck-motion table
+                ends before the last one does.
         """
         chosen = self.columns(columns)
         values = np.zeros((chosen.size, 2)) if command is None else np.asarray(command, dtype=np.float64)
         if values.shape != (chosen.size, 2) or not np.all(np.abs(values) <= 1.0):
             raise ValueError(f"claw command: must be ({chosen.size}, 2) numbers within -1 to 1, got {values!r}")
-        substeps = self.timing.substeps * intervals
-        late = self.clocks[chosen] + substeps > self._ends[chosen]
+        if intervals < 1:
+            raise ValueError(f"intervals: must be at least 1, got {intervals}")
+        late = self.clocks[chosen] + self.timing.substeps * intervals > self._ends[chosen]
         if np.any(late):
             k = int(chosen[np.argmax(late)])
             end = self._ends[k] * self.timing.substep_s
             raise ValueError(f"the deck motion of helicopter {k} ends at {end:g} s; bake a longer table")
-        self._remember(values.T, chosen)
-        engine.advance(
-            self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
-            chosen, substeps, self.timing.substep_s, self.timing.substeps_per_node, self._outputs, self._highs,
-            self._lows, self.threads,
-        )  # fmt: skip
-        for _ in range(min(intervals, self._commands.shape[0] // 2) - 1):
-            self._remember(values.T, chosen)
+        parts = self._parts(values.T, chosen, intervals)
+        highs, lows = [], []
+        for part in parts:
+            self._commands[2:, chosen] = self._commands[:-2, chosen]
+            self._commands[:2, chosen] = values.T
+            engine.advance(
+                self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
+                chosen, part * self.timing.substeps, self.timing.substep_s, self.timing.substeps_per_node,
+                self._outputs, self._highs, self._lows, self.threads,
+            )  # fmt: skip
+            if len(parts) > 1:
+                highs.append(self._highs[:, chosen])
+                lows.append(self._lows[:, chosen])
+        if highs:
+            self._highs[:, chosen], self._lows[:, chosen] = np.max(highs, axis=0), np.min(lows, axis=0)
         return self.telemetry
 
-    def _remember(self, command: Array, chosen: Columns) -> None:
-        """Put a command (2, n) at the head of the delay line."""
-        self._commands[2:, chosen] = self._commands[:-2, chosen]
-        self._commands[:2, chosen] = command
+    def _parts(self, command: Array, chosen: Columns, intervals: int) -> list[int]:
+        """Intervals of each call: single ones while older commands, or fewer of this one, wait in the delay line."""
+        history = self._commands.shape[0] // 2
+        if intervals == 1 or np.array_equal(self._commands[:, chosen], np.tile(command, (history, 1))):
+            return [intervals]
+        singles = min(history - 1, intervals - 1)
+        return [1] * singles + [intervals - singles]
 
     @property
     def telemetry(self) -> Telemetry:

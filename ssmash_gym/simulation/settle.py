@@ -47,14 +47,21 @@ _HELD = (0, 1, 5, 7, 9, 11)  # u7, u8, u12 and the steer rates: what stays put w
 _VERTICAL = np.array([2, 3, 4, 6, 8, 10])  # u9, u10, u11 and the three strokes
 _ALL = np.arange(SPEEDS)
 _AT_REST = 1e-7  # largest acceleration of a column that needs no further step [m/s2, rad/s2]
+_TRIES = 4  # of lying down; one is enough for a level start
 _PART = 128  # columns worked on together: bounds the memory
 _RELAX_S = 0.02  # between two removals of kinetic energy
 _KEEP = 0.5  # share of the speeds kept at each
 
 
 def settle(batch: Batch, columns: Columns) -> Array:
-    """Bring the columns to rest; returns the largest remaining acceleration of each, (n,)."""
+    """Bring the columns to rest; returns the largest remaining acceleration of each, (n,).
+
+    A captured probe keeps its place in the claw while the helicopter lies down, whatever its attitude becomes.
+    """
+    captured = batch.state[State.PROBE_CAPTURED, columns] * batch.parameters[Par.PROBE_ACTIVE, columns] > 0.5
+    before = probe_point(batch, columns)
     lie_down(batch, columns)
+    batch.state[State.Q8 : State.Q9 + 1, columns] += np.where(captured, before - probe_point(batch, columns), 0.0)
     find_rest(batch, columns)
     return remaining(batch, columns)
 
@@ -70,15 +77,22 @@ def place(batch: Batch, columns: Columns, x: Array, y: Array) -> Array:
         settle(batch, columns)
     finally:
         batch.parameters[Par.PROBE_ACTIVE, columns] = active
-    outputs = batch.evaluate(columns).outputs
-    batch.state[State.Q8, columns] += x - outputs[Out.PROBE_X, columns]
-    batch.state[State.Q9, columns] += y - outputs[Out.PROBE_Y, columns]
+    wanted = np.array([np.broadcast_to(x, columns.shape), np.broadcast_to(y, columns.shape)])
+    batch.state[State.Q8 : State.Q9 + 1, columns] += wanted - probe_point(batch, columns)
     batch.state[State.CLAW_X, columns] = x
     batch.state[State.CLAW_Y, columns] = y
     batch.state[State.CLAW_VX : State.CLAW_VY + 1, columns] = 0.0
     find_rest(batch, columns)
     batch.evaluate(columns)
     return remaining(batch, columns)
+
+
+def probe_point(batch: Batch, columns: Columns) -> Array:
+    """Where the probe's axis meets the claw plane, x and y in S [m], (2, n)."""
+    outputs = engine.derivative(
+        batch.state[:, columns], batch.parameters[:, columns], batch.mode, still_decks(batch, columns)
+    )[1]
+    return outputs[Out.PROBE_X : Out.PROBE_Y + 1]
 
 
 def lie_down(batch: Batch, columns: Columns) -> None:
@@ -91,8 +105,13 @@ def lie_down(batch: Batch, columns: Columns) -> None:
     kept = batch.parameters[rows]
     batch.parameters[rows] = np.repeat([1.0, 0.0], [len(held), len(free)])[:, None]
     try:
-        relax(batch, columns, seconds=1.6)
-        newton(batch, columns, _VERTICAL)
+        uneasy = columns
+        for _ in range(_TRIES):
+            relax(batch, uneasy, seconds=1.6)
+            newton(batch, uneasy, _VERTICAL)
+            uneasy = uneasy[remaining(batch, uneasy) > _AT_REST]
+            if not uneasy.size:
+                break
     finally:
         batch.parameters[rows] = kept
         batch.state[State.CLAW_X : State.CLAW_VY + 1, columns] = claw
@@ -159,7 +178,7 @@ def ground_clearance(batch: Batch, columns: Columns) -> Array:
 
 
 def relax(batch: Batch, columns: Columns, seconds: float) -> None:
-    """Run on a still deck, taking kinetic energy out every 20 ms, claw held."""
+    """Run on a still deck; every 20 ms kinetic energy and the tires' in-plane deflections are taken out."""
     still = np.zeros((batch.n, 2, batch.nodes.shape[2]))
     decks = batch.deck_rows(columns)
     still[columns, :, 3:6] = deck_angles(decks).T[:, None, :]
@@ -177,6 +196,7 @@ def relax(batch: Batch, columns: Columns, seconds: float) -> None:
             substeps * 1000, outputs, highs, lows, batch.threads,
         )  # fmt: skip
         batch.state[:SPEEDS, columns] *= _KEEP
+        batch.state[State.TIRE : State.CLAW_X, columns] = 0.0
 
 
 def deck_angles(decks: Array) -> Array:
@@ -185,8 +205,10 @@ def deck_angles(decks: Array) -> Array:
 
 
 def still_decks(batch: Batch, columns: Columns) -> Array:
-    """`Deck` rows with the present attitude and no motion, claw where it is and at rest."""
+    """`Deck` rows with the present attitude and no motion; the claw rests where it is, its drive's ripple left out."""
     decks = batch.deck_rows(columns)
+    if batch.mode[Mode.CLAW] == ClawDrive.COMMANDED:
+        decks[Deck.C_CLAW_S : Deck.C_CLAW_S + 2] = batch.state[State.CLAW_X : State.CLAW_Y + 1, columns]
     decks[Deck.W_NS_S : Deck.C_CLAW_S] = 0.0
     decks[Deck.V_CLAW_S : Deck.V_CLAW_S + 3] = 0.0
     return decks

@@ -56,16 +56,20 @@ def save_checkpoint(folder: Path, model: Any, config: TrainingConfig, about: dic
             "steps": model.num_timesteps,
             "updates": model._n_updates,
             "environment_steps": staggered.steps,
+            "logged": {key: float(value) for key, value in model.logger.name_to_value.items()},
             "numpy": [str(kind), int(place), int(has_gauss), float(gauss)],
         }
         (temporary / STATE).write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
         (temporary / ENVIRONMENT).write_bytes(pickle.dumps(staggered.core.snapshot()))
 
 
-def load_checkpoint(folder: Path, model: Any) -> None:
+def load_checkpoint(folder: Path, model: Any) -> dict[str, float]:
     """Put a checkpoint into a fresh model of the same configuration.
 
     The environment's state is a pickle: only load checkpoints that you or someone you trust has written.
+
+    Returns:
+        What the last update before it had logged; the next line of the curve tells it.
 
     Raises:
         ConfigurationError: The folder holds no complete checkpoint.
@@ -90,6 +94,7 @@ def load_checkpoint(folder: Path, model: Any) -> None:
         kind, place, has_gauss, gauss = state["numpy"]
         np.random.set_state((kind, arrays["numpy_keys"].copy(), place, has_gauss, gauss))
     Normaliser.read(folder / "normaliser.json").into(wrapper)
+    return dict(state["logged"])
 
 
 def checkpoints(run: Path) -> list[Path]:

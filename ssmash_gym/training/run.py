@@ -58,7 +58,14 @@ def train(
     learn(settings, run, console)
 
 
-def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: bool = False) -> bool:
+def learn(
+    settings: TrainingConfig,
+    run: Path,
+    console: Console,
+    *,
+    resumed: bool = False,
+    stop: threading.Event | None = None,
+) -> bool:
     """Train in a run folder until the end or until Ctrl-C.
 
     Args:
@@ -66,6 +73,7 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
         run: The run folder.
         console: Where progress is shown.
         resumed: Go on from the newest checkpoint.
+        stop: Asks for a stop after the running update when it is set, as Ctrl-C does.
 
     Returns:
         Whether the training reached its end.
@@ -77,8 +85,7 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
 
     environment = make_environment(settings)
     model = make_model(settings, environment)
-    if resumed:
-        load_checkpoint(newest(run), model)
+    logged = load_checkpoint(newest(run), model) if resumed else {}
     core = environment.venv.core
     about = describe(settings, core)
     write_run(run, settings, core, about)
@@ -89,10 +96,12 @@ def learn(settings: TrainingConfig, run: Path, console: Console, *, resumed: boo
         save_checkpoint(folder, model, settings, about | {"steps": model.num_timesteps})
         prune(run, settings.checkpoints.keep)
 
-    stop = threading.Event()
+    stop = stop or threading.Event()
     bar = Bar(settings.total_steps, console)
     callback = CallbackList([Keeper(settings.checkpoints.every_steps, save, stop), Curve(run / "curve.csv", bar)])
     model.set_logger(configure(str(run / "tensorboard"), ["tensorboard"]))
+    for key, value in logged.items():
+        model.logger.record(key, value)
     console.print(f"run folder {shown(run)}")
     remaining = max(settings.total_steps - model.num_timesteps, 0)
     with stop_on_interrupt(stop, console), bar.progress:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from ssmash_gym.dynamics import cache
-from ssmash_gym.dynamics.lane import WIDTH, kernel, load, store
+from ssmash_gym.dynamics.lane import WIDTH, kernel, load, of_width, store
 
 DYNAMICS = Path(cache.__file__).parent
 NEEDED = ("__init__", "primitives", "lowering", "compiler", "lane", "cache")
@@ -95,14 +95,22 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     cache.fingerprint.cache_clear()
 
 
-def doubled() -> Any:
+def doubled(width: int = WIDTH) -> Any:
     """Call a new kernel with a cache, and give its statistics."""
-    fresh = kernel(double_rows)
+    fresh = of_width(kernel(double_rows), width)
     cache.enable_kernel_cache(fresh)
-    table = np.ones((3, WIDTH))
+    table = np.ones((3, width))
     fresh(table)
     np.testing.assert_array_equal(table, 2.0)
     return fresh.stats
+
+
+def test_every_width_has_its_own_file(here: Path) -> None:
+    for width in (WIDTH, 8, 2):
+        assert sum(doubled(width).cache_misses.values()) == 1
+    assert len(list(here.glob("*/*.nbi"))) == 3
+    for width in (WIDTH, 8, 2):
+        assert sum(doubled(width).cache_hits.values()) == 1
 
 
 def test_a_damaged_file_costs_a_compilation_only(here: Path) -> None:

