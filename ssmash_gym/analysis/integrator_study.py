@@ -15,19 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics.layout import (
-    ODE_ROWS,
-    SPEEDS,
-    STATION_OUT,
-    STATION_OUT_ROWS,
-    STATION_ROWS,
-    STATIONS,
-    Out,
-    Par,
-    Sta,
-    StaOut,
-    State,
-)
+from ssmash_gym.dynamics.channels import STATION_OUT, STATION_OUT_ROWS, Out, StaOut
+from ssmash_gym.dynamics.layout import ODE_ROWS, SPEEDS, STATION_ROWS, STATIONS, Par, Sta, State
 from ssmash_gym.dynamics.reference import Method, Problem, Reference, integrate
 from ssmash_gym.ship import Fixed, Sinusoid
 from ssmash_gym.simulation.batch import Batch, Timing

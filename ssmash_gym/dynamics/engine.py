@@ -18,16 +18,21 @@ from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import stepper
 from ssmash_gym.dynamics.cache import enable_kernel_cache
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS
 from ssmash_gym.dynamics.compiler import CACHE_LINE, has_wide_vectors
 from ssmash_gym.dynamics.lane import WIDTH, of_width
-from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, OUTPUT_ROWS, Par
+from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, Par
 
 Array = NDArray[np.float64]
 
 # Numbers in a lane for batches of more than `WIDTH` helicopters. Where a lane of 8 takes two instructions each time,
 # it is slower than two of 4.
 WIDE: Final = 8 if has_wide_vectors() else WIDTH
-_advance_widths: set[int] = set()  # that `advance` has been called for
+
+
+def lane_width(n: int) -> int:
+    """Numbers in a lane for a batch of n helicopters: by the batch, so that it needs one set of kernels only."""
+    return WIDE if n > WIDTH else WIDTH
 
 
 @cache
@@ -85,8 +90,7 @@ def advance(
         lows: Written: smallest values over all substeps, (OUTPUT_ROWS, N).
         threads: Workers; the result does not depend on it.
     """
-    width = WIDE if state.shape[1] > WIDTH else WIDTH  # by the batch, so that a batch needs one kernel only
-    _advance_widths.add(width)
+    width = lane_width(state.shape[1])
     kernel = _kernel(stepper.advance_columns, width)
     blocks = -(-columns.size // width)
     history = commands.shape[0] // 2
@@ -119,15 +123,26 @@ def _workspace(rows: int, width: int) -> tuple[Array, NDArray[np.int64]]:
     return room[start : start + rows * width].reshape(rows, width), np.zeros((2, width), np.int64)
 
 
-def derivative(state: Array, parameters: Array, mode: NDArray[np.int64], decks: Array) -> tuple[Array, Array]:
-    """Plain right-hand side: rates (ODE_ROWS, N) and outputs (OUTPUT_ROWS, N) for given `Deck` rows (DECK_ROWS, N)."""
+def derivative(
+    state: Array, parameters: Array, mode: NDArray[np.int64], decks: Array, width: int = WIDTH
+) -> tuple[Array, Array]:
+    """Plain right-hand side of every column.
+
+    Args:
+        state: Rows `layout.State`, (STATE_ROWS, N).
+        parameters: Rows `layout.Par`, `layout.Sta`, `layout.Tir`, (PARAMETER_ROWS, N), SI.
+        mode: Integers of the batch, `layout.Mode`, (MODES,).
+        decks: Rows `layout.Deck`, (DECK_ROWS, N).
+        width: Numbers in a lane, for speed only: beside `advance`, its `lane_width` saves most of the compilation.
+
+    Returns:
+        Rates (ODE_ROWS, N) and outputs (OUTPUT_ROWS, N).
+    """
     n = state.shape[1]
     # One layout in memory: Numba compiles a kernel anew for every combination of layouts.
     state, parameters, decks = (np.ascontiguousarray(table) for table in (state, parameters, decks))
     rates = np.zeros((ODE_ROWS, n))
     outputs = np.zeros((OUTPUT_ROWS, n))
-    # The width that this process has kernels for anyway: most of their code is compiled then.
-    width = WIDE if _advance_widths == {WIDE} else WIDTH
     room, lanes = _workspace(stepper.rates_room(parameters.shape[0]), width)
     _kernel(stepper.rates_columns, width)(state, parameters, mode, decks, rates, outputs, room, lanes)
     return rates, outputs

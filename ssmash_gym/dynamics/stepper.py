@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
 from ssmash_gym.dynamics.claw import advance_claw, place_claw
 from ssmash_gym.dynamics.deck import COEFFICIENTS, deck_kinematics, gather_piece, prescribed_claw
 from ssmash_gym.dynamics.lane import any_lane, fabs, kernel, load, maximum, minimum, splat, sqrt, store, where
 from ssmash_gym.dynamics.layout import (
     DECK_ROWS,
     ODE_ROWS,
-    OUTPUT_ROWS,
     STATE_ROWS,
     STATION_COORDINATES,
     STATIONS,
@@ -24,7 +24,6 @@ from ssmash_gym.dynamics.layout import (
     ClawDrive,
     Deck,
     Mode,
-    Out,
     State,
 )
 from ssmash_gym.dynamics.probe import capture

@@ -10,12 +10,11 @@ from __future__ import annotations
 from typing import Any
 
 from ssmash_gym.dynamics.aero import wind
+from ssmash_gym.dynamics.channels import STATION_OUT, STATION_OUT_ROWS, Out, StaOut
 from ssmash_gym.dynamics.lane import fabs, kernel, load, maximum, splat, sqrt, store, where
 from ssmash_gym.dynamics.layout import (
     JOINT_ROWS,
     STATION_COORDINATES,
-    STATION_OUT,
-    STATION_OUT_ROWS,
     STATION_ROWS,
     STATIONS,
     TIRE_PAR,
@@ -24,11 +23,9 @@ from ssmash_gym.dynamics.layout import (
     Deck,
     Joint,
     Mode,
-    Out,
     Par,
     Spring,
     Sta,
-    StaOut,
     State,
     StationKind,
     Work,

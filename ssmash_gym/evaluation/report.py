@@ -30,7 +30,7 @@ def table(policies: Mapping[str, Mapping[str, Any]], title: str) -> Table:
     found.add_column("policy")
     for heading in (
         "success\n%", "aligned\n%", "failed\n%", "peak probe load\nmean kN", "peak probe load\nP95 kN",
-        "main tires\nP95 kN", "lift-off\n%", "beyond 15 kN\n%", "time\nmedian s",
+        "main tires\nP95 kN", "lift-off\n%", "beyond cost\nlimit %", "time\nmedian s",
     ):  # fmt: skip
         found.add_column(heading, justify="right")
     for name, summary in policies.items():

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import bootstrap as scipy_bootstrap
 
 Array = NDArray[np.float64]
 LEVEL = 0.95
 RESAMPLES = 2000
+CHUNK = 256  # resamples at once, to spare memory
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,8 @@ def bootstrap(
         ValueError: The sample is empty or not finite.
     """
     sample = _checked(values)
-    value = float(statistic(sample))
-    if sample.size == 1 or np.all(sample == sample[0]):
-        return Estimate(value, value, value)
-    found = scipy_bootstrap(
-        (sample,), statistic, n_resamples=resamples, confidence_level=level, method="percentile", vectorized=True,
-        rng=np.random.default_rng(seed), batch=256,
-    )  # fmt: skip
-    return Estimate(value, float(found.confidence_interval.low), float(found.confidence_interval.high))
+    drawn = _drawn(sample.size, lambda rows: statistic(sample[rows], axis=-1), resamples, seed)
+    return Estimate(float(statistic(sample)), *_bounds(drawn, level))
 
 
 def bootstrap_ratio(
@@ -102,12 +96,27 @@ def bootstrap_ratio(
     divisor = float(statistic(below))
     if divisor == 0.0:
         raise ValueError("the denominator's statistic is 0")
-    rows = np.random.default_rng(seed).integers(0, above.size, (resamples, above.size))
-    below_draws = statistic(below[rows], axis=-1)
-    ratios = statistic(above[rows], axis=-1) / np.where(below_draws == 0.0, np.nan, below_draws)
+
+    def ratios(rows: NDArray[np.int64]) -> Array:
+        divisors = statistic(below[rows], axis=-1)
+        return np.asarray(statistic(above[rows], axis=-1) / np.where(divisors == 0.0, np.nan, divisors))
+
+    drawn = _drawn(above.size, ratios, resamples, seed)
+    return Estimate(float(statistic(above)) / divisor, *_bounds(drawn, level))
+
+
+def _drawn(size: int, of: Callable[[NDArray[np.int64]], Array], resamples: int, seed: int) -> Array:
+    """A statistic of many samples drawn with replacement; `of` takes rows of places, (draws, size)."""
+    rng = np.random.default_rng(seed)
+    parts = [of(rng.integers(0, size, (min(CHUNK, resamples - first), size))) for first in range(0, resamples, CHUNK)]
+    return np.concatenate(parts)
+
+
+def _bounds(drawn: Array, level: float) -> tuple[float, float]:
+    """The percentile interval of drawn statistics."""
     tail = 50.0 * (1.0 - level)
-    low, high = np.nanpercentile(ratios, [tail, 100.0 - tail])
-    return Estimate(float(statistic(above)) / divisor, float(low), float(high))
+    low, high = np.nanpercentile(drawn, [tail, 100.0 - tail])
+    return float(low), float(high)
 
 
 def _checked(values: ArrayLike) -> Array:

@@ -13,15 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ssmash_gym.dynamics import engine
-from ssmash_gym.dynamics.layout import (
-    OUTPUT_ROWS,
-    PARAMETER_ROWS,
-    STATE_ROWS,
-    ClawDrive,
-    Mode,
-    Out,
-    State,
-)
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
+from ssmash_gym.dynamics.layout import PARAMETER_ROWS, STATE_ROWS, ClawDrive, Mode, State
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation import settle as settling
 from ssmash_gym.simulation.claw import ClawLimits, write_drive, write_history
@@ -160,8 +153,11 @@ class Batch:
         self._commands[:, chosen] = 0.0
 
     def columns(self, columns: ArrayLike | None) -> Columns:
-        """The listed columns as an index array; None means all."""
-        return np.arange(self.n) if columns is None else np.atleast_1d(np.asarray(columns, dtype=np.int64))
+        """The listed columns (indices, or a mask of all) as an index array; None means all."""
+        if columns is None:
+            return np.arange(self.n)
+        chosen = np.atleast_1d(np.asarray(columns))
+        return np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen.astype(np.int64)
 
     @property
     def time_s(self) -> Array:

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import engine, vectors
+from ssmash_gym.dynamics.channels import STATION_OUT, STATION_OUT_ROWS, Out, StaOut
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import (
     SPEEDS,
     STATION_COORDINATES,
-    STATION_OUT,
-    STATION_OUT_ROWS,
     STATION_ROWS,
     STATIONS,
     TIRE_PAR,
@@ -27,10 +26,8 @@ from ssmash_gym.dynamics.layout import (
     ClawDrive,
     Deck,
     Mode,
-    Out,
     Par,
     Sta,
-    StaOut,
     State,
     StationKind,
     Tir,

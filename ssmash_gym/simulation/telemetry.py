@@ -1,7 +1,7 @@
 """The telemetry table: every quantity that can be read, by name, with unit, frame, meaning and thesis symbol.
 
 Observations, rewards, limits, recordings, plots and reports pick their channels here. Sources are the kernel's
-outputs (`layout.Out`, `layout.StaOut`), which also have extremes over the substeps of an interval, and state rows.
+outputs (`channels.Out`, `channels.StaOut`), which also have extremes over the substeps of an interval, and state rows.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics.layout import STATION_NAMES, STATION_OUT, STATION_OUT_ROWS, Out, StaOut, State
+from ssmash_gym.dynamics.channels import STATION_OUT, STATION_OUT_ROWS, Out, StaOut
+from ssmash_gym.dynamics.layout import STATION_NAMES, State
 
 Array = NDArray[np.float64]
 

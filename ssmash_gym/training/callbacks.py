@@ -26,6 +26,7 @@ COLUMNS: Final = (
     "peak_probe_kN_p95", "time_s_median", "saturation_mean", "std_along", "std_across", "learning_rate",
     "approx_kl", "clip_fraction", "value_loss", "explained_variance", "collect_s", "update_s", "wall_s",
 )  # fmt: skip
+AGAIN_S: Final = 1.0
 LOGGED: Final = {
     "learning_rate": "train/learning_rate",
     "approx_kl": "train/approx_kl",
@@ -177,15 +178,24 @@ class Bar:
 
 @contextmanager
 def stop_on_interrupt(stop: threading.Event, console: Console) -> Iterator[None]:
-    """Ctrl-C asks for a stop after the update that is running; a second one stops at once."""
+    """Ctrl-C asks for a stop after the update that is running; another one, a second later or more, stops at once.
+
+    The delay is there because one Ctrl-C may arrive twice: from the terminal and from a parent that passes it on.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
+    asked_at = float("-inf")
+
     def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked_at
+        if stop.is_set() and time.monotonic() - asked_at < AGAIN_S:
+            return
         if stop.is_set():
             raise KeyboardInterrupt
         stop.set()
+        asked_at = time.monotonic()
         console.print("stopping after this update (once more stops at once and loses it)")
 
     before = signal.signal(signal.SIGINT, ask)

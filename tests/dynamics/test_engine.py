@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from ssmash_gym.dynamics import engine, stepper
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS
 from ssmash_gym.dynamics.lane import WIDTH, uncompiled
-from ssmash_gym.dynamics.layout import OUTPUT_ROWS, Par, State
+from ssmash_gym.dynamics.layout import Par, State
 from ssmash_gym.ship import Irregular
 from ssmash_gym.ship.sources import IrregularRotation, IrregularTranslation
 from ssmash_gym.simulation.batch import Batch, ClawLimits

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from ssmash_gym.dynamics import lane, layout
+from ssmash_gym.dynamics import channels, lane, layout
 from ssmash_gym.dynamics.lane import (
     WIDTH,
     WIDTHS,
@@ -209,8 +209,8 @@ def named_rows(table: Any, base: int, out: Any) -> None:
     store(out, 0, one_row(table, Rows.THIRD))
     store(out, 1, one_row(table, base + Others.SECOND))
     store(out, 2, one_row(table, 3))
-    store(out, Rows.THIRD + 1, load(table, layout.StaOut.TIRE_TWIST))
-    store(out, layout.Sta.IXZ + 1, load(table, base + layout.Out.PROBE_FY))
+    store(out, Rows.THIRD + 1, load(table, channels.StaOut.TIRE_TWIST))
+    store(out, layout.Sta.IXZ + 1, load(table, base + channels.Out.PROBE_FY))
     if base == Others.SECOND:
         store(out, 5, load(table, Rows["THIRD"]))
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ssmash_gym.dynamics import reference
-from ssmash_gym.dynamics.layout import ODE_ROWS, OUTPUT_ROWS, SPEEDS, STATE_ROWS, Out, Par, State
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
+from ssmash_gym.dynamics.layout import ODE_ROWS, SPEEDS, STATE_ROWS, Par, State
 from ssmash_gym.dynamics.reference import Problem, integrate
 from ssmash_gym.ship import Sinusoid
 from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing

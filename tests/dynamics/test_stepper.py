@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import (
     ODE_ROWS,
-    OUTPUT_ROWS,
     SPEEDS,
     STATE_ROWS,
     STATION_ROWS,

@@ -45,16 +45,13 @@ def test_the_same_bits_on_lanes_of_both_widths(name: str) -> None:
     assert np.all(np.isfinite(many.state))
 
 
-def test_the_right_hand_side_has_the_same_bits_on_both(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_right_hand_side_has_the_same_bits_on_both() -> None:
     batch = batch_of(9)
     decks = batch.deck_rows(np.arange(9))
-    results = []
-    for used in (set(), {engine.WIDE}):
-        monkeypatch.setattr(engine, "_advance_widths", used)
-        results.append(engine.derivative(batch.state, batch.parameters, batch.mode, decks))
-    np.testing.assert_array_equal(results[0][0], results[1][0])
-    np.testing.assert_array_equal(results[0][1], results[1][1])
-    assert np.ptp(results[0][1]) > 0.0
+    narrow, wide = (engine.derivative(batch.state, batch.parameters, batch.mode, decks, width) for width in (WIDTH, 8))
+    np.testing.assert_array_equal(narrow[0], wide[0])
+    np.testing.assert_array_equal(narrow[1], wide[1])
+    assert np.ptp(narrow[1]) > 0.0
 
 
 @pytest.fixture
@@ -72,7 +69,6 @@ def called(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, int]]:
         return run
 
     monkeypatch.setattr(engine, "_kernel", kernel)
-    monkeypatch.setattr(engine, "_advance_widths", set())
     return calls
 
 
@@ -82,23 +78,9 @@ def test_the_width_follows_the_batch_and_not_the_columns(called: list[tuple[Any,
     assert called == [(stepper.advance_columns, width) for width in (WIDTH, WIDTH, 8, 8, 8)]
 
 
-def test_the_right_hand_side_takes_the_width_that_is_there(called: list[tuple[Any, int]]) -> None:
-    def derivative() -> None:
-        engine.derivative(batch.state, batch.parameters, batch.mode, np.zeros((30, batch.n)))
-
-    batch = batch_of(6)
-    derivative()
-    batch.advance()
-    derivative()
-    batch_of(1).advance()
-    derivative()
-    assert [width for function, width in called if function is stepper.rates_columns] == [WIDTH, 8, WIDTH]
-
-
 def test_one_version_of_a_kernel_whatever_the_layout_in_memory() -> None:
-    def versions() -> list[int]:
-        kernels = (engine._kernel(stepper.rates_columns, width) for width in (WIDTH, 8))
-        return [len(getattr(kernel, "signatures", ())) for kernel in kernels]
+    def versions() -> int:
+        return len(getattr(engine._kernel(stepper.rates_columns, WIDTH), "signatures", ()))
 
     batch = batch_of(3)
     decks = batch.deck_rows(np.arange(3))

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ssmash_gym.dynamics.layout import OUTPUT_ROWS, STATE_ROWS, State
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS
+from ssmash_gym.dynamics.layout import STATE_ROWS, State
 from ssmash_gym.envs import limits, load_task
 from ssmash_gym.envs.reading import Reading, half_spread
 from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards

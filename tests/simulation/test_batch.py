@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ssmash_gym.dynamics.layout import STATE_ROWS, Mode, Out, Par, State
+from ssmash_gym.dynamics.channels import Out
+from ssmash_gym.dynamics.layout import STATE_ROWS, Mode, Par, State
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship import Fixed, Sinusoid
 from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
@@ -203,6 +204,18 @@ def test_intervals_in_one_call_are_as_many_calls(tricycle: Helicopter, delay: fl
     for batch in (one, many):
         batch.advance([[0.0, 0.0]] * 3)
     assert np.array_equal(one.state, many.state)
+
+
+def test_columns_by_index_or_by_mask(tricycle: Helicopter) -> None:
+    batch = Batch(tricycle, 4)
+    assert batch.columns(None).tolist() == [0, 1, 2, 3] and batch.columns(2).tolist() == [2]
+    assert batch.columns(np.array([False, True, False, True])).tolist() == [1, 3]
+    batch.place(0.0, 0.0, 0.0)
+    before = batch.state.copy()
+    batch.advance(columns=[])
+    assert np.array_equal(batch.state, before) and not batch.clocks.any()
+    batch.advance(columns=[False, True, False, False])
+    assert batch.clocks.tolist() == [0, 50, 0, 0]
 
 
 def test_no_command_holds_the_claw(tricycle: Helicopter) -> None:

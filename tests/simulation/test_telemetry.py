@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ssmash_gym.dynamics.layout import OUTPUT_ROWS, STATION_NAMES, StaOut, State
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, StaOut
+from ssmash_gym.dynamics.layout import STATION_NAMES, State
 from ssmash_gym.ship import Sinusoid
 from ssmash_gym.simulation.batch import Batch
 from ssmash_gym.simulation.telemetry import CHANNELS, channel

@@ -122,7 +122,8 @@ def test_a_stop_that_is_asked_for_keeps_everything(finished: Path, settings: Tra
     assert_same_agent(finished / "agent", run / "agent")
 
 
-def test_ctrl_c_asks_for_a_stop_and_a_second_one_stops_at_once() -> None:
+def test_ctrl_c_asks_for_a_stop_and_a_later_one_stops_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ssmash_gym.training import callbacks
     from ssmash_gym.training.callbacks import stop_on_interrupt
 
     before = signal.getsignal(signal.SIGINT)
@@ -130,6 +131,8 @@ def test_ctrl_c_asks_for_a_stop_and_a_second_one_stops_at_once() -> None:
     with pytest.raises(KeyboardInterrupt), stop_on_interrupt(stop, QUIET):
         signal.raise_signal(signal.SIGINT)
         assert stop.is_set()
+        signal.raise_signal(signal.SIGINT)  # the same one, passed on by a parent
+        monkeypatch.setattr(callbacks, "AGAIN_S", 0.0)
         signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) == before
 
