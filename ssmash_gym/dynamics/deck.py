@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ssmash_gym.dynamics.lane import kernel, load, store
+from ssmash_gym.dynamics.lane import kernel, load
 from ssmash_gym.dynamics.layout import Deck
 from ssmash_gym.dynamics.maths import cos, sin
 from ssmash_gym.dynamics.vectors import store3
@@ -108,11 +108,3 @@ def prescribed_claw(c: Any, t: Any, d: Any) -> None:
     z = quintic(c, 2, t)
     store3(d, Deck.C_CLAW_S, (x[0], y[0], z[0]))
     store3(d, Deck.V_CLAW_S, (x[1], y[1], z[1]))
-
-
-@kernel
-def still_claw(y_claw: Any, d: Any) -> None:
-    """Copy a fixed claw (rows x, y, z) with zero velocity into the `Deck` rows."""
-    for k in range(3):
-        store(d, Deck.C_CLAW_S + k, load(y_claw, k))
-        store(d, Deck.V_CLAW_S + k, 0.0 * load(y_claw, k))

@@ -24,6 +24,7 @@ LEAST_STIFFNESS = 1e-3  # [N/m], [N m/rad]
 TOUCH_LOAD = 10.0  # below this vertical force the deck drags less and less at the stored deflections [N]
 STANDING_CAMBER = 0.57  # of (2.139), over 1.0 of (2.140)
 BLEND_ANGLE = 0.02  # slip angle at which the twist relaxes half with L_y, half with L_u [rad]
+FASTEST = 400.0  # bound of the relaxation rates [1/s]: beyond some 20 m/s, or on a nearly weightless tire
 MOST_TWIST = 0.2  # bound of the steady twist: (2.144) grows without limit as the load vanishes [rad]
 DAMPING_ENDS = 0.8  # share of the squared friction limit from which the damping forces fade
 
@@ -127,11 +128,11 @@ def yawed_rolling(v_x: Any, v_y: Any, v_roll: Any, lengths: Any, slide: Any, ove
     angle = atan2(aside, ahead)  # (2.117), magnitude
     phi = L_0 * angle * over_slide  # (2.136)
     # sigma = max(|d_ss| / tan(angle), least) with |d_ss| = slide * yawed_force(phi); all multiplied by the tangent
-    rate_y = v_roll * tangent / maximum(slide * yawed_force(phi), least * tangent)
+    rate_y = minimum(v_roll * tangent / maximum(slide * yawed_force(phi), least * tangent), FASTEST)
     # the twist relaxes with L_y, L_u as the angle vanishes: mean with the weights angle^2 and BLEND_ANGLE^2
     yawed = angle * angle
     both = yawed + BLEND_ANGLE * BLEND_ANGLE
-    rate_psi = v_roll * both / (yawed * L_y + (BLEND_ANGLE * BLEND_ANGLE) * L_u)
+    rate_psi = minimum(v_roll * both / (yawed * L_y + (BLEND_ANGLE * BLEND_ANGLE) * L_u), FASTEST)
     return rate_y, rate_psi, sign(v_y) * v_x * over * yawed_moment(phi)
 
 

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ssmash_gym.dynamics.engine import available_threads
-from ssmash_gym.dynamics.lane import WIDTH
+from ssmash_gym.dynamics.engine import available_threads, lane_width
 from ssmash_gym.envs import limits
 from ssmash_gym.envs.divergence import divergence, dump
 from ssmash_gym.envs.episode import EpisodeBook
@@ -120,7 +119,7 @@ class TraverseBatch:
             self.task = load_task(observed(self.task, observation))
         self.scenario = load_scenario(scenario)
         self.starter = Starter(as_helicopter(helicopter), self.task, self.scenario)
-        self.threads = threads or max(1, min(available_threads(), -(-n // WIDTH)))
+        self.threads = threads or max(1, min(available_threads(), -(-n // lane_width(n))))
         self.batch = self.starter.batch(n, self.threads)
         self.observer = Observer(self.task)
         self.sensors = self._sensor_bank(n)

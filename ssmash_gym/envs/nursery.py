@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics.lane import WIDTH
+from ssmash_gym.dynamics.engine import lane_width
 from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter
 from ssmash_gym.simulation.batch import Batch
@@ -45,7 +45,8 @@ class Nursery:
     def __init__(self, starter: Starter, n: int, threads: int) -> None:
         self._starter = starter
         self._threads = threads
-        self._capacity = min(n, _GROUP * WIDTH * threads) if n > WIDTH else 0
+        self._width = lane_width(n)
+        self._capacity = min(n, _GROUP * self._width * threads) if n > self._width else 0
         self._batch: Batch | None = None
         self._children: dict[int, _Child] = {}
 
@@ -75,7 +76,7 @@ class Nursery:
             steps: How long each column's episode has run: the longest ones are prepared first.
         """
         missing = np.array([k for k in columns if int(k) not in self._children], dtype=np.int64)
-        if 0 < missing.size < WIDTH and self._capacity:
+        if 0 < missing.size < self._width and self._capacity:
             self._prepare(missing, generators, steps)
             missing = missing[:0]
         if missing.size:

@@ -20,6 +20,7 @@ from ssmash_gym.simulation import settle as settling
 from ssmash_gym.simulation.claw import ClawLimits, write_drive, write_history
 from ssmash_gym.simulation.parameters import Modes, droop_state, mode_vector, parameter_column
 from ssmash_gym.simulation.telemetry import Telemetry
+from ssmash_gym.simulation.timing import Timing
 
 if TYPE_CHECKING:
     from ssmash_gym.ship import MotionTable
@@ -28,45 +29,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
 DECK_COLUMNS = 18
-NODE_SPACING_S = 0.25  # C2 quintic pieces: below 2e-5 of the acceleration's deviation in a seaway
-
-
-@dataclass(frozen=True)
-class Timing:
-    """Substep, control interval and node spacing [s]; the latter two are whole numbers of substeps.
-
-    Raises:
-        ConfigurationError: the control interval is no whole number of substeps.
-    """
-
-    substep_s: float = 0.002
-    control_interval_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        """Check that the interval is a whole number of substeps."""
-        if not 0.0 < self.substep_s <= 0.02:
-            raise ConfigurationError(f"substep_s = {self.substep_s}: must be above 0 and at most 0.02 s")
-        ratio = self.control_interval_s / self.substep_s
-        if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6 * ratio:
-            raise ConfigurationError(
-                f"control_interval_s = {self.control_interval_s}: must be a whole number of "
-                f"substeps of {self.substep_s} s"
-            )
-
-    @property
-    def substeps(self) -> int:
-        """Substeps in a control interval."""
-        return round(self.control_interval_s / self.substep_s)
-
-    @property
-    def substeps_per_node(self) -> int:
-        """Substeps between two nodes of a deck-motion table."""
-        return max(1, round(NODE_SPACING_S / self.substep_s))
-
-    @property
-    def node_spacing_s(self) -> float:
-        """Time between two nodes of a deck-motion table [s]: what `MotionSource.bake` must be given."""
-        return self.substeps_per_node * self.substep_s
 
 
 @dataclass(frozen=True)
@@ -257,10 +219,14 @@ class Batch:
         """Read the outputs of the state as it stands, without advancing; extremes are the instant's values."""
         chosen = self.columns(columns)
         decks = self.deck_rows(chosen)
-        _, outputs = engine.derivative(self.state[:, chosen], self.parameters[:, chosen], self._mode, decks)
+        _, outputs = self.derivative(self.state[:, chosen], self.parameters[:, chosen], decks)
         for table in (self._outputs, self._highs, self._lows):
             table[:, chosen] = outputs
         return self.telemetry
+
+    def derivative(self, state: Array, parameters: Array, decks: Array) -> tuple[Array, Array]:
+        """`engine.derivative` of any columns of this layout, by the kernel that this batch has compiled already."""
+        return engine.derivative(state, parameters, self._mode, decks, engine.lane_width(self.n))
 
     def deck_rows(self, columns: Columns) -> Array:
         """`layout.Deck` rows of the listed columns at their present time, (DECK_ROWS, n)."""

@@ -86,9 +86,7 @@ def place(batch: Batch, columns: Columns, x: Array, y: Array) -> Array:
 
 def probe_point(batch: Batch, columns: Columns) -> Array:
     """Where the probe's axis meets the claw plane, x and y in S [m], (2, n)."""
-    outputs = engine.derivative(
-        batch.state[:, columns], batch.parameters[:, columns], batch.mode, still_decks(batch, columns)
-    )[1]
+    outputs = batch.derivative(batch.state[:, columns], batch.parameters[:, columns], still_decks(batch, columns))[1]
     return outputs[Out.PROBE_X : Out.PROBE_Y + 1]
 
 
@@ -140,7 +138,7 @@ def tire_travel(batch: Batch, columns: Columns) -> Array:
     rates = []
     for sign in (1.0, -1.0):  # the difference leaves out what rolling relaxes, which is even in the speed
         state[:SPEEDS] = sign * speed * np.tile(np.eye(m), n)
-        rates.append(engine.derivative(state, parameters, batch.mode, decks)[0][State.TIRE : State.CLAW_X])
+        rates.append(batch.derivative(state, parameters, decks)[0][State.TIRE : State.CLAW_X])
     return ((rates[0] - rates[1]) / (2.0 * speed)).reshape(-1, n, m).transpose(0, 2, 1)
 
 
@@ -215,7 +213,7 @@ def remaining(batch: Batch, columns: Columns) -> Array:
     """Largest generalized acceleration left on a still deck for zero speeds, (n,)."""
     state = batch.state[:, columns].copy()
     state[:SPEEDS] = 0.0
-    rates, _ = engine.derivative(state, batch.parameters[:, columns], batch.mode, still_decks(batch, columns))
+    rates, _ = batch.derivative(state, batch.parameters[:, columns], still_decks(batch, columns))
     return np.asarray(np.max(np.abs(rates[:SPEEDS]), axis=0))
 
 
@@ -242,7 +240,7 @@ def newton(batch: Batch, columns: Columns, speeds: Columns, travel: Array | None
     for _ in range(iterations):
         base = batch.state[:, columns]
         trial = moved(np.repeat(base, m + 1, axis=1), steps.reshape(SPEEDS, -1), batch.mode, follow)
-        rates, _ = engine.derivative(trial, parameters, batch.mode, decks)
+        rates, _ = batch.derivative(trial, parameters, decks)
         values = rates[speeds].reshape(m, n, m + 1)
         residual = values[:, :, 0].T
         jacobian = ((values[:, :, 1:] - values[:, :, :1]) / step).transpose(1, 0, 2) * free.T[:, None, :]

@@ -16,6 +16,8 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from ssmash_gym.envs.task import Reward
+
 try:
     from stable_baselines3.common.callbacks import BaseCallback
 except ImportError as error:
@@ -143,6 +145,28 @@ class Keeper(BaseCallback):
 
     def _on_step(self) -> bool:
         return not self._leave
+
+
+class Stages(BaseCallback):
+    """Changes the weights of the reward along the way.
+
+    Args:
+        core: The `TraverseBatch` that is trained on.
+        reward_at: The weights after so many steps.
+    """
+
+    def __init__(self, core: Any, reward_at: Callable[[int, Reward], Reward]) -> None:
+        super().__init__()
+        self.core, self.reward_at = core, reward_at
+        self._first = core.task.reward
+
+    def _on_rollout_start(self) -> None:
+        reward = self.reward_at(self.model.num_timesteps, self._first)
+        if reward != self.core.task.reward:
+            self.core.task = self.core.task.model_copy(update={"reward": reward})
+
+    def _on_step(self) -> bool:
+        return True
 
 
 class Bar:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -10,6 +11,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.envs.loading import BASE_KEY, merged, read, validated
+from ssmash_gym.envs.task import Reward
 from ssmash_gym.errors import ConfigurationError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -32,6 +34,13 @@ class Environment(Section):
     scenario: Choice = Field("default", description="scenario: name, file, or changes to the default one")
     count: Count = Field(64, description="helicopters that are simulated side by side")
     threads: Count = Field(2, description="threads of the simulation; the result does not depend on them")
+
+
+class Stage(Section):
+    """Weights of the reward from a step on: first to arrive at all, then to do it well."""
+
+    from_step: Count = Field(description="control intervals of all helicopters together from which it holds")
+    reward: dict[str, float] = Field(description="keys of the task's reward to change, with all stages before")
 
 
 class Network(Section):
@@ -92,6 +101,7 @@ class TrainingConfig(Section):
     total_steps: Count = Field(description="control intervals of all helicopters together")
     torch_threads: Count = Field(1, description="threads of the networks: small ones are quickest on one")
     environment: Environment = Environment()
+    stages: tuple[Stage, ...] = Field((), description="changes of the reward along the way, in order")
     network: Network = Network()
     ppo: Ppo = Ppo()
     normalise: Normalise = Normalise()
@@ -101,6 +111,28 @@ class TrainingConfig(Section):
     def steps_per_update(self) -> int:
         """Control intervals of all helicopters between two updates."""
         return self.environment.count * self.ppo.steps_per_update
+
+    def reward_at(self, steps: int, reward: Reward) -> Reward:
+        """The reward's weights after so many steps.
+
+        Args:
+            steps: Control intervals of all helicopters together.
+            reward: The task's.
+
+        Raises:
+            ConfigurationError: A stage names an unknown key, or a value that is not allowed.
+        """
+        changes = {
+            key: value for stage in self.stages if stage.from_step <= steps for key, value in stage.reward.items()
+        }
+        return validated(Reward, reward.model_dump() | changes, "training: stages") if changes else reward
+
+    @model_validator(mode="after")
+    def _stages_in_order(self) -> Self:
+        starts = [stage.from_step for stage in self.stages]
+        if any(later <= earlier for earlier, later in pairwise(starts)):
+            raise ValueError(f"stages: from_step = {starts}: must rise")
+        return self
 
     @model_validator(mode="after")
     def _whole_batches(self) -> Self:

@@ -81,9 +81,10 @@ def learn(
     from stable_baselines3.common.callbacks import CallbackList
     from stable_baselines3.common.logger import configure
 
-    from ssmash_gym.training.callbacks import Bar, Curve, Keeper, stop_on_interrupt
+    from ssmash_gym.training.callbacks import Bar, Curve, Keeper, Stages, stop_on_interrupt
 
     environment = make_environment(settings)
+    settings.reward_at(settings.total_steps, environment.venv.core.task.reward)  # a mistake is told before the start
     model = make_model(settings, environment)
     logged = load_checkpoint(newest(run), model) if resumed else {}
     core = environment.venv.core
@@ -98,7 +99,13 @@ def learn(
 
     stop = stop or threading.Event()
     bar = Bar(settings.total_steps, console)
-    callback = CallbackList([Keeper(settings.checkpoints.every_steps, save, stop), Curve(run / "curve.csv", bar)])
+    callback = CallbackList(
+        [
+            Keeper(settings.checkpoints.every_steps, save, stop),
+            Stages(core, settings.reward_at),
+            Curve(run / "curve.csv", bar),
+        ]
+    )
     model.set_logger(configure(str(run / "tensorboard"), ["tensorboard"]))
     for key, value in logged.items():
         model.logger.record(key, value)

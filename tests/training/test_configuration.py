@@ -8,8 +8,9 @@ import pytest
 import yaml
 
 from ssmash_gym.envs.loading import names
+from ssmash_gym.envs.task import load_task
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.training.config import TrainingConfig, load_training
+from ssmash_gym.training.config import Section, TrainingConfig, load_training
 from ssmash_gym.training.seeds import EVALUATION, TRAINING, block
 
 
@@ -65,11 +66,26 @@ def test_an_unknown_name_lists_what_there_is() -> None:
 
 
 def test_every_field_says_what_it_is() -> None:
-    sections = [TrainingConfig, *(f.annotation for f in TrainingConfig.model_fields.values())]
-    models = [model for model in sections if isinstance(model, type) and hasattr(model, "model_fields")]
-    assert len(models) == 6
-    for model in models[1:]:
-        assert all(field.description for field in model.model_fields.values()), model
+    sections = [section for section in Section.__subclasses__() if section is not TrainingConfig]
+    assert len(sections) >= 6
+    for section in sections:
+        assert all(field.description for field in section.model_fields.values()), section
+
+
+def test_stages_add_up_and_keep_what_they_do_not_name() -> None:
+    changes = ["stages=[{from_step: 100, reward: {load_per_s: 0.5}}, {from_step: 300, reward: {time_per_s: 0.0}}]"]
+    found, reward = load_training("smoke", changes), load_task().reward
+    assert found.reward_at(99, reward) == reward
+    assert found.reward_at(100, reward) == reward.model_copy(update={"load_per_s": 0.5})
+    assert found.reward_at(300, reward) == reward.model_copy(update={"load_per_s": 0.5, "time_per_s": 0.0})
+
+
+def test_a_stage_that_is_refused_is_told() -> None:
+    stage = "stages=[{from_step: 100, reward: {loads_per_s: 0.5}}]"
+    with pytest.raises(ConfigurationError, match="loads_per_s"):
+        load_training("smoke", [stage]).reward_at(200, load_task().reward)
+    with pytest.raises(ConfigurationError, match="must rise"):
+        load_training("smoke", ["stages=[{from_step: 100, reward: {}}, {from_step: 100, reward: {}}]"])
 
 
 def test_blocks_of_seeds_never_meet() -> None:

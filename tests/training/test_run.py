@@ -18,8 +18,10 @@ from rich.console import Console
 from stable_baselines3.common.logger import Logger
 
 from ssmash_gym.cli import main
+from ssmash_gym.envs.task import load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.training import run as running
+from ssmash_gym.training.agent import load_agent
 from ssmash_gym.training.checkpoint import checkpoints, load_checkpoint, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
 from ssmash_gym.training.ppo import Linear, make_environment, make_model
@@ -120,6 +122,29 @@ def test_a_stop_that_is_asked_for_keeps_everything(finished: Path, settings: Tra
     assert not (run / "agent").exists()
     assert learn(settings, run, QUIET, resumed=True)
     assert_same_agent(finished / "agent", run / "agent")
+
+
+def test_a_stage_changes_the_reward_from_its_step_on_and_after_a_resume(
+    finished: Path, settings: TrainingConfig, tmp_path: Path
+) -> None:
+    staged = load_training(settings.model_dump() | {"stages": [{"from_step": 512, "reward": {"load_per_s": 3.0}}]})
+    run = tmp_path / "staged"
+    assert learn(staged, run, QUIET)
+    assert weights(checkpoints(run)[1])["weight_0"].tobytes() == weights(checkpoints(finished)[1])["weight_0"].tobytes()
+    assert weights(run / "agent")["weight_0"].tobytes() != weights(finished / "agent")["weight_0"].tobytes()
+    assert load_agent(checkpoints(run)[1]).task.reward.load_per_s == settings_reward(settings)
+    assert load_agent(run / "agent").task.reward.load_per_s == 3.0
+    again = tmp_path / "again"
+    shutil.copytree(run, again)
+    shutil.rmtree(again / "agent")
+    shutil.rmtree(checkpoints(again)[-1])
+    assert learn(staged, again, QUIET, resumed=True)
+    assert_same_agent(run / "agent", again / "agent")
+
+
+def settings_reward(settings: TrainingConfig) -> float:
+    """The load's weight of the unchanged task."""
+    return load_task(settings.environment.task).reward.load_per_s
 
 
 def test_ctrl_c_asks_for_a_stop_and_a_later_one_stops_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
