@@ -76,7 +76,7 @@ def test_another_kind_of_motion_or_range_replaces_the_old_one() -> None:
         (load_task, {"horizon_s": -1.0}, ["horizon_s", "-1.0", "greater than 0"]),
         (load_task, {"horizon_s": 1.05}, ["horizon_s", "1.05", "0.1 s"]),
         (load_task, {"wheels": "square"}, ["wheels", "square", "braked"]),
-        (load_task, {"track": {"goal_x_m": 20.0}}, ["20.0", "8.5"]),
+        (load_task, {"track": {"goal_x_m": 20.0}}, ["20.0", "8.0"]),
         (load_task, {"lead_in": {"ramp_s": 9.0}}, ["ramp_s", "9.0", "8.0"]),
         (load_task, "trverse", ["trverse", "traverse"]),
         (load_task, "missing.yaml", ["missing.yaml"]),
