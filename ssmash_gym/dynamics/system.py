@@ -257,21 +257,9 @@ def wheel_loads(
         v_ST_S = add(v_SW_S, cross(w_SW_S, r_WT_S))
         height = -(r_SW_S[2] + r_WT_S[2])
         result = tire(
-            p,
-            tbase,
-            mode[Mode.TIRE_MODEL],
-            mode[Mode.FRICTION],
-            mode[Mode.CONTACT],
-            r_WT_S,
-            height,
-            v_ST_S,
-            w_SW_S,
-            wy_S,
-            load(y, row),
-            load(y, row + 1),
-            load(y, row + 2),
-            lock,
-        )
+            p, tbase, mode[Mode.TIRE_MODEL], mode[Mode.FRICTION], mode[Mode.CONTACT], r_WT_S, height, v_ST_S, w_SW_S,
+            wy_S, load(y, row), load(y, row + 1), load(y, row + 2), lock,
+        )  # fmt: skip
         force = add(force, result[0])
         moment = add(moment, result[1])
         store3(dy, row, result[2])
