@@ -250,6 +250,7 @@ class TraverseBatch:
             command=self.book.command[columns],
             previous=previous,
             held_before=self.book.held[columns],
+            peak_before_N=self.book.peak_probe_N[columns],
             broken=broken,
             half_spread_m=self._half_spread,
         )

@@ -124,6 +124,7 @@ _TERMS: Final = (
     _known("last_command_x", "command applied in the last interval, along", "1", 1.0, lambda r: r.command[:, 0]),
     _known("last_command_y", "command applied in the last interval, across", "1", 1.0, lambda r: r.command[:, 1]),
     _known("time_left", "time until the limit", "s", 60.0, _time_left),
+    _known("episode_peak", "largest in-plane probe load of the episode so far", "N", 1e4, lambda r: r.episode_peak_N),
     _known("goal_held", "share of the holding time that has passed in the goal", "1", 1.0, _held),
     # --- only in "full" ---
     _channel("velocity_x", "c.g. velocity over the deck, S axes, x", "m/s", 0.3, 0.005, basic=False),

@@ -41,6 +41,7 @@ class Reading:
     command: Array
     previous: Array
     held_before: NDArray[np.int64]
+    peak_before_N: Array
     broken: Flags
     half_spread_m: Array
 
@@ -62,6 +63,11 @@ class Reading:
     def probe_peak_N(self) -> Array:
         """Largest in-plane probe load within the interval [N]."""
         return self.telemetry.peak_max("probe_in_plane")
+
+    @cached_property
+    def episode_peak_N(self) -> Array:
+        """Largest in-plane probe load of the episode so far, grace left out [N]."""
+        return np.where(self.counted, np.maximum(self.peak_before_N, self.probe_peak_N), self.peak_before_N)
 
     @cached_property
     def main_peak_N(self) -> Array:

@@ -63,6 +63,12 @@ def _load(r: Reading, o: Outcome) -> Array:
     return np.asarray(-r.task.reward.load_per_s * r.task.control_interval_s * load_excess(r))
 
 
+def _peak(r: Reading, o: Outcome) -> Array:
+    soft_N = 1e3 * r.task.reward.soft_limit_kN
+    after, before = (np.maximum(peak / soft_N - 1.0, 0.0) for peak in (r.episode_peak_N, r.peak_before_N))
+    return np.asarray(-r.task.reward.peak * (after - before))
+
+
 def _command_rate(r: Reading, o: Outcome) -> Array:
     change = r.command - r.previous
     return np.asarray(-r.task.reward.command_change * (change[:, 0] * change[:, 0] + change[:, 1] * change[:, 1]))
@@ -84,6 +90,7 @@ TERMS: Final[Mapping[str, Callable[[Reading, Outcome], Array]]] = {
     "progress": _progress,
     "alignment": _alignment,
     "load": _load,
+    "peak": _peak,
     "command_rate": _command_rate,
     "time": _time,
     "success": _success,

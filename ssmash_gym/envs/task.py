@@ -97,6 +97,9 @@ class Reward(Section):
         description="in-plane probe load above which the reward falls, with the square of the excess [kN]; assumed"
     )
     load_linear_from: Positive = Field(description="excess, in soft limits, from which it falls linearly [1]; assumed")
+    peak: NotNegative = Field(
+        description="for each soft limit by which the episode's largest probe load rises above the first one [1]; assumed"
+    )
     command_change: NotNegative = Field(
         description="for the squared change of the applied command; assumed: hunting at 10 Hz is a limit cycle"
     )

@@ -41,7 +41,7 @@ class TraverseEnv(gymnasium.Env[Any, Any]):
     default), ``full``, or names.
 
     ## Rewards
-    Sum of ``info["reward_terms"]``: progress, alignment, load, command_rate, time, success, failure.
+    Sum of ``info["reward_terms"]``: progress, alignment, load, peak, command_rate, time, success, failure.
 
     ## Starting State
     Settled on the moving deck after a lead-in, at a drawn yaw and lateral offset; ``info["draw"]`` tells all draws.

@@ -77,6 +77,7 @@ TASK_CHANGES: dict[str, Change] = {
     "reward.load_per_s": (0.4, {}),
     "reward.soft_limit_kN": (0.2, {}),
     "reward.load_linear_from": (0.1, {}),
+    "reward.peak": (2.0, {}),
     "reward.command_change": (0.02, {}),
     "reward.time_per_s": (0.2, {}),
     "reward.success": (5.0, {}),

@@ -41,6 +41,7 @@ def test_each_number_is_its_channel_over_its_scale() -> None:
         "last_command_x": np.full(3, 0.4),
         "last_command_y": np.full(3, 0.4),
         "time_left": np.full(3, 0.9),
+        "episode_peak": np.zeros(3),  # none yet: the grace lasts
         "goal_held": np.zeros(3),
     }
     for k, term in enumerate(env.observer.terms):

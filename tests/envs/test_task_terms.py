@@ -39,6 +39,7 @@ def reading(
     fields: dict[str, Any] = {
         "task": TASK, "telemetry": Telemetry(state, *tables), "steps": np.array([50]), "counted": np.array([True]),
         "command": np.zeros((1, 2)), "previous": np.zeros((1, 2)), "held_before": np.array([0]),
+        "peak_before_N": np.zeros(1),
         "broken": np.array([False]), "half_spread_m": SPREAD,
     }  # fmt: skip
     return Reading(**{**fields, **more})
@@ -77,11 +78,21 @@ def test_load_costs_the_square_of_the_excess_then_linearly(load: float, shaped: 
     assert terms(early)["load"] == 0.0
 
 
+def test_only_a_new_peak_costs_and_its_parts_add_up() -> None:
+    lower = reading(highs={"probe_in_plane": 9e3}, peak_before_N=np.array([11e3]))
+    assert terms(lower)["peak"] == 0.0
+    first = terms(reading(highs={"probe_in_plane": 9e3}))["peak"]
+    second = terms(reading(highs={"probe_in_plane": 15e3}, peak_before_N=np.array([9e3])))["peak"]
+    assert first + second == pytest.approx(-TASK.reward.peak * (15.0 / 6.0 - 1.0))
+    early = reading(highs={"probe_in_plane": 9e3}, counted=np.array([False]))
+    assert terms(early)["peak"] == 0.0
+
+
 def test_command_time_success_failure() -> None:
     r = reading(command=np.array([[1.0, -0.5]]), previous=np.array([[0.0, 0.5]]))
     found = terms(r)
     assert found["command_rate"] == pytest.approx(-0.01 * 2.0)
-    assert found["time"] == pytest.approx(-0.01)
+    assert found["time"] == pytest.approx(-TASK.reward.time_per_s * 0.1)
     assert (found["success"], found["failure"]) == (0.0, 0.0)
     assert terms(r, success=True)["success"] == 10.0
     assert terms(r, failure=True)["failure"] == -15.0
