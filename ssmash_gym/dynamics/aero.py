@@ -5,16 +5,29 @@ from __future__ import annotations
 from typing import Any
 
 from ssmash_gym.dynamics.lane import kernel, load, sqrt
-from ssmash_gym.dynamics.layout import Par
-from ssmash_gym.dynamics.vectors import Matrix, Vector, apply_t, dot, load3, sub
+from ssmash_gym.dynamics.layout import Deck, Par
+from ssmash_gym.dynamics.maths import sin
+from ssmash_gym.dynamics.vectors import Matrix, Vector, add, apply_t, dot, load3, scale, store3, sub
 
 
 @kernel
-def wind(p: Any, R_NH: Matrix, v_NCP_H: Vector) -> Vector:
+def place_wind(p: Any, gusty: int, time: Any, d: Any) -> None:
+    """Wind rows of `d` at `time` [s] since the deck-motion table's start: the mean, with `gusty` its gust added."""
+    mean = load3(p, Par.WIND)
+    if gusty:
+        swing = sin(load(p, Par.GUST_OMEGA) * time + load(p, Par.GUST_PHASE))
+        store3(d, Deck.WIND, add(mean, scale(swing, load3(p, Par.GUST))))
+    else:
+        store3(d, Deck.WIND, mean)
+
+
+@kernel
+def wind(p: Any, wind_N: Vector, R_NH: Matrix, v_NCP_H: Vector) -> Vector:
     """Drag of the relative wind at the centre of pressure.
 
     Args:
-        p: Parameter rows; ``WIND`` is the true wind (2.196) minus the ship's mean velocity, in N.
+        p: Parameter rows.
+        wind_N: True wind (2.196) minus the ship's mean velocity, gust included, N axes [m/s]; rows `Deck.WIND`.
         R_NH: Takes H components to N components.
         v_NCP_H: Velocity of the centre of pressure relative to the steadily translating mean frame N, in H
             axes [m/s], (2.197)-(2.200).
@@ -22,7 +35,7 @@ def wind(p: Any, R_NH: Matrix, v_NCP_H: Vector) -> Vector:
     Returns:
         Force at the centre of pressure, H axes [N].
     """
-    relative = sub(apply_t(R_NH, load3(p, Par.WIND)), v_NCP_H)  # (2.196), (2.201)
+    relative = sub(apply_t(R_NH, wind_N), v_NCP_H)  # (2.196), (2.201)
     pressure = 0.5 * load(p, Par.AIR_DENSITY) * sqrt(dot(relative, relative))
     area = load3(p, Par.AREA)
     return (

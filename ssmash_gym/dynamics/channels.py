@@ -81,6 +81,14 @@ class StaOut(Channel):
     STEER = ("rad", "H", "steer angle of the station about its oleo axis", "")
     CONTACT_X = ("m", "S", "contact point of the station (mean of its tires), x", "")
     CONTACT_Y = ("m", "S", "contact point of the station, y", "")
+    TIRE_VERTICAL_DEFLECTION_LARGEST = ("m", "S", "vertical deflection of the tire that deflects most", "delta_z")
+    TIRE_LONGITUDINAL_DEFLECTION_LARGEST = (
+        "m",
+        "T",
+        "longitudinal deflection of the tire that deflects most",
+        "delta_x",
+    )
+    TIRE_TWIST_LARGEST = ("rad", "T", "twist of the tire that is twisted most", "psi")
 
 
 OUT_ROWS: Final = len(Out)

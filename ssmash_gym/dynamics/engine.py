@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import stepper
+from ssmash_gym.dynamics.aero import place_wind
 from ssmash_gym.dynamics.cache import enable_kernel_cache
 from ssmash_gym.dynamics.channels import OUTPUT_ROWS
 from ssmash_gym.dynamics.compiler import CACHE_LINE, has_wide_vectors
-from ssmash_gym.dynamics.lane import WIDTH, of_width
+from ssmash_gym.dynamics.lane import WIDTH, of_width, uncompiled
 from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, Par
 
 Array = NDArray[np.float64]
@@ -47,6 +48,10 @@ def _kernel(function: Any, width: int) -> Any:
 def _pool(workers: int) -> ThreadPoolExecutor:
     """One pool a process and worker count; idle threads cost nothing."""
     return ThreadPoolExecutor(workers, thread_name_prefix="ssmash")
+
+
+if hasattr(os, "register_at_fork"):  # a forked child inherits the pool without its threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)
 
 
 def available_threads() -> int:
@@ -95,12 +100,13 @@ def advance(
     blocks = -(-columns.size // width)
     history = commands.shape[0] // 2
     ripple = int(parameters[_RIPPLE].any())
+    gusty = int(parameters[_GUST].any())
 
     def run(first: int, last: int) -> None:
         room, lanes = _workspace(stepper.advance_room(parameters.shape[0], commands.shape[0]), width)
         kernel(
             state, parameters, commands, mode, nodes, claw_nodes, clocks, columns, first, last, history, substeps,
-            dt, substeps_per_node, ripple, outputs, highs, lows, room, lanes,
+            dt, substeps_per_node, ripple, gusty, outputs, highs, lows, room, lanes,
         )  # fmt: skip
 
     workers = min(threads, blocks)
@@ -113,6 +119,7 @@ def advance(
 
 
 _RIPPLE = slice(int(Par.RIPPLE_X), int(Par.RIPPLE_X) + 2)
+_GUST = slice(int(Par.GUST), int(Par.GUST) + 3)
 
 
 def _workspace(rows: int, width: int) -> tuple[Array, NDArray[np.int64]]:
@@ -149,9 +156,14 @@ def derivative(
 
 
 def deck_rows(nodes: Array, time_s: float, spacing_s: float) -> Array:
-    """`Deck` rows (DECK_ROWS, N) of every helicopter's table at one time; the claw's rows are left zero."""
+    """`Deck` rows (DECK_ROWS, N) of every helicopter's table at one time; claw and wind are left zero."""
     decks = np.zeros((DECK_ROWS, nodes.shape[0]))
     piece = min(int(time_s / spacing_s), nodes.shape[1] - 2)
     room, lanes = _workspace(stepper.DECK_ROOM, WIDTH)
     _kernel(stepper.deck_columns, WIDTH)(nodes, piece, time_s - piece * spacing_s, spacing_s, decks, room, lanes)
     return decks
+
+
+def write_wind(parameters: Array, time_s: Array, decks: Array) -> None:
+    """Wind rows of `decks` (DECK_ROWS, N), gust included, at the columns' times (N,) [s] since their tables' start."""
+    uncompiled(place_wind)(parameters, 1, time_s, decks)

@@ -57,10 +57,11 @@ class State(IntEnum):
     PROBE_LOST = 57  # 1 once the ultimate load has broken the probe
     DIVERGED = 58  # 0 healthy; else 1 + the row whose next value was not finite or absurd; the state is then held
     DIVERGED_CLOCK = 59  # substep at which that happened
+    DIVERGED_VALUE = 60  # the value refused there, within +-1e308; 0 for a NaN: the state table holds numbers only
 
 
 ODE_ROWS: Final = 52
-STATE_ROWS: Final = 60
+STATE_ROWS: Final = 61
 SPEEDS: Final = 12
 STATION_COORDINATES: Final = 5  # q15-q19, q20-q24, q25-q29
 TIRE_STATES: Final = 3
@@ -79,9 +80,10 @@ class Deck(IntEnum):
     C_CLAW_S = 21  # claw centre r_SC_S [m], ripple included
     V_CLAW_S = 24  # its velocity [m/s]
     ANGLES = 27  # roll, pitch, yaw [rad]
+    WIND = 30  # wind that the helicopter meets, gust included: true wind minus the ship's mean velocity, N axes [m/s]
 
 
-DECK_ROWS: Final = 30
+DECK_ROWS: Final = 33
 
 # --- the kernel's scratch ------------------------------------------------------------------------------------
 
@@ -126,7 +128,7 @@ class Par(IntEnum):
     CP = 8  # centre of pressure r_HCP_H, 3 rows [m]
     AREA = 11  # equivalent drag areas A_eq, 3 rows [m2]
     AIR_DENSITY = 14
-    WIND = 15  # true wind minus the ship's mean velocity, N axes, 3 rows [m/s]
+    WIND = 15  # mean true wind minus the ship's mean velocity, N axes, 3 rows [m/s]
     PROBE_ACTIVE = 18
     PROBE_MOUNT = 19  # r_Ha_H, 3 rows [m]
     PROBE_VECTOR = 22  # r_ac_H, 3 rows [m]
@@ -161,7 +163,10 @@ class Par(IntEnum):
     LOCK = 53  # 12 rows: 1 holds the speed u7..u18
     WRENCH_H = 65  # further force [N] and moment [N m] at the helicopter's c.g., H axes, 6 rows
     WRENCH_W = 71  # the same for the three carriages, W axes, 3 x 6 rows
-    STATION = 89  # 3 x STATION_ROWS
+    GUST = 89  # amplitude of a sinusoidal gust on the mean wind, N axes, 3 rows [m/s]
+    GUST_OMEGA = 92  # [rad/s]
+    GUST_PHASE = 93  # at the start of the deck-motion table [rad]
+    STATION = 94  # 3 x STATION_ROWS
 
 
 class Sta(IntEnum):
@@ -196,35 +201,34 @@ class Sta(IntEnum):
     P_REF = 34  # reference pressure to subtract in region 3 [Pa], 0 as in the thesis
     R2_C = 35  # region-2 constants c and d (2.210), (2.211), derived when the table is filled
     R2_D = 36
-    F_X1 = 37  # F_s(x1) (2.206), derived
-    E1 = 38
-    E2 = 39
-    F1 = 40
-    F2 = 41
-    G1 = 42
-    G2 = 43
-    C01 = 44
-    C02 = 45
-    C03 = 46
-    C1 = 47
-    C2 = 48
-    C3 = 49
-    C4 = 50
-    C5 = 51
-    C6 = 52
-    C7 = 53
-    C8 = 54
-    C9 = 55
-    REL1 = 56
-    REL2 = 57
-    SEAL = 58
-    BEARING_Z = 59  # lower shaft bearing from the oleo origin along o_z [m]
-    BEARING_L0 = 60  # bearing separation at full droop [m]
-    BEARING_MU = 61
-    BETA = 62  # [s/m]
-    STROKE = 63
-    STOP_K = 64
-    STOP_C = 65
+    E1 = 37
+    E2 = 38
+    F1 = 39
+    F2 = 40
+    G1 = 41
+    G2 = 42
+    C01 = 43
+    C02 = 44
+    C03 = 45
+    C1 = 46
+    C2 = 47
+    C3 = 48
+    C4 = 49
+    C5 = 50
+    C6 = 51
+    C7 = 52
+    C8 = 53
+    C9 = 54
+    REL1 = 55
+    REL2 = 56
+    SEAL = 57
+    BEARING_Z = 58  # lower shaft bearing from the oleo origin along o_z [m]
+    BEARING_L0 = 59  # bearing separation at full droop [m]
+    BEARING_MU = 60
+    BETA = 61  # [s/m]
+    STROKE = 62
+    STOP_K = 63
+    STOP_C = 64
 
 
 class Tir(IntEnum):

@@ -156,11 +156,6 @@ def gas_law(pressure: Any, volume: Any, area: Any, gamma: Any, x: Any, p_ref: An
     return gas - p_ref * area, gas * gamma * area / (volume * left)  # (2.209)
 
 
-def force_at(pressure: Any, volume: Any, area: Any, gamma: Any, x: Any, p_ref: Any = 0.0) -> Any:
-    """Force of the gas at compression ``x`` [N], as the first of `gas_law`; at ``x1`` the row ``Sta.F_X1``."""
-    return gas_law(pressure, volume, area, gamma, x, p_ref)[0]
-
-
 def region2_constants(
     pressure: Any, volume: Any, area: Any, gamma: Any, x0: Any, k: Any, p_ref: Any = 0.0
 ) -> tuple[Any, Any]:
@@ -191,7 +186,7 @@ def spring_curve(values: Mapping[str, float], x: NDArray[np.float64]) -> NDArray
 
     Args:
         values: Lower-case names of the members of ``Sta`` from ``X0`` to ``G2`` to SI values. ``p_ref`` is 0
-            unless given; the derived ``r2_c``, ``r2_d`` and ``f_x1`` are worked out here whether given or not.
+            unless given; the derived ``r2_c`` and ``r2_d`` are worked out here whether given or not.
         x: Compressions [m], any shape.
 
     Returns:

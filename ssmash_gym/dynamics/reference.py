@@ -136,6 +136,7 @@ def integrate(problem: Problem, method: Method = "DOP853", *, rtol: float = 1e-9
     def decks(t: float) -> Array:
         deck = engine.deck_rows(problem.nodes[None], start + t, spacing)
         claw.write(t, deck)
+        engine.write_wind(parameters, np.array([start + t]), deck)
         return deck
 
     def rhs(t: float, y: Array) -> Array:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ssmash_gym.dynamics.aero import place_wind
 from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
 from ssmash_gym.dynamics.claw import advance_claw, place_claw
 from ssmash_gym.dynamics.deck import COEFFICIENTS, deck_kinematics, gather_piece, prescribed_claw
@@ -32,6 +33,7 @@ from ssmash_gym.dynamics.system import attitude_outputs, rates
 GAMMA = 1.0 - math.sqrt(0.5)
 ABSURD = 1.0e6  # sum of the magnitudes of all integrated rows beyond which a state counts as diverged
 FAR = math.inf
+LARGEST = 1.0e308  # bound of the refused value that is kept
 DECK_CHANNELS = 6
 CLAW_CHANNELS = 3
 
@@ -95,14 +97,24 @@ def accept(y: Any, trial: Any, clock: Any) -> None:
 
 @kernel
 def report(y: Any, trial: Any, broken: Any, clock: Any) -> None:
-    """Note the first row that is not finite or absurd, and when, for the lanes that have just diverged."""
+    """Note the first row that is not finite or absurd, when, and its value, for the lanes that have just diverged.
+
+    The value is kept within +-`LARGEST`, and a NaN as 0, so that the state never holds anything but numbers.
+    """
     code = splat(0.0)
+    value = load(trial, 0)
     for m in range(ODE_ROWS):
         k = ODE_ROWS - 1 - m
-        sound = fabs(load(trial, k)) < ABSURD / ODE_ROWS
+        refused = load(trial, k)
+        sound = fabs(refused) < ABSURD / ODE_ROWS
         code = where(sound, code, k + 1.0)
+        value = where(sound, value, refused)
+    value = where(
+        value > LARGEST, LARGEST, where(value < -LARGEST, -LARGEST, where(fabs(value) <= LARGEST, value, 0.0))
+    )
     store(y, State.DIVERGED, where(broken, maximum(code, 1.0), load(y, State.DIVERGED)))
     store(y, State.DIVERGED_CLOCK, where(broken, clock, load(y, State.DIVERGED_CLOCK)))
+    store(y, State.DIVERGED_VALUE, where(broken, value, load(y, State.DIVERGED_VALUE)))
 
 
 @kernel
@@ -135,19 +147,10 @@ def start_second_stage(y: Any, first: Any, stage: Any, h: float) -> None:
 
 @kernel
 def gather_pieces(
-    nodes: Any,
-    claw_nodes: Any,
-    columns: Any,
-    clock: Any,
-    spn: int,
-    spacing: float,
-    claw: int,
-    c: Any,
-    cc: Any,
-    tau: Any,
-    dt: float,
+    nodes: Any, claw_nodes: Any, columns: Any, clock: Any, spn: int, claw: int, c: Any, cc: Any, tau: Any, dt: float
 ) -> None:
     """Refresh the polynomial pieces of the lanes that have just passed a node, and each lane's time since its node."""
+    spacing = spn * dt
     for lane in range(columns.shape[0]):
         since = clock[lane] % spn
         tau[0, lane] = since * dt
@@ -164,9 +167,10 @@ def gather_pieces(
 
 
 @kernel
-def prescribe(y: Any, p: Any, mode: Any, c: Any, cc: Any, ripple: int, t: Any, time: Any, d: Any) -> None:
-    """Deck and claw at one instant: `t` since the node, `time` since the start of the table."""
+def prescribe(y: Any, p: Any, mode: Any, c: Any, cc: Any, ripple: int, gusty: int, t: Any, time: Any, d: Any) -> None:
+    """Deck, wind and claw at one instant: `t` since the node, `time` since the start of the table."""
     deck_kinematics(c, t, d)
+    place_wind(p, gusty, time, d)
     if mode[Mode.CLAW] == ClawDrive.PRESCRIBED:
         prescribed_claw(cc, t, d)
     else:
@@ -188,6 +192,7 @@ def advance_block(
     dt: float,
     spn: int,
     ripple: int,
+    gusty: int,
     o: Any,
     high: Any,
     low: Any,
@@ -212,21 +217,20 @@ def advance_block(
             high[k, lane] = -FAR
             low[k, lane] = FAR
     interval = substeps * dt
-    spacing = spn * dt
     gh = GAMMA * dt
     for half in range(2 * substeps + 1):
         second = half % 2
         if second == 0:
             x = y
             dy = first
-            gather_pieces(nodes, claw_nodes, columns, clock, spn, spacing, mode[Mode.CLAW], c, cc, tau, dt)
+            gather_pieces(nodes, claw_nodes, columns, clock, spn, mode[Mode.CLAW], c, cc, tau, dt)
         else:
             x = stage
             dy = later
             start_second_stage(y, first, stage, dt)
             advance_claw(y, p, commands, history, (half // 2) * dt, interval, dt, stage)
         ahead = second * dt
-        prescribe(x, p, mode, c, cc, ripple, load(tau, 0) + ahead, load(tau, 1) + ahead, d)
+        prescribe(x, p, mode, c, cc, ripple, gusty, load(tau, 0) + ahead, load(tau, 1) + ahead, d)
         rates(x, p, d, mode, first, dy, o, w, gh, second)
         if second == 0:
             attitude_outputs(x, d, o)
@@ -268,6 +272,7 @@ def advance_columns(
     dt: float,
     spn: int,
     ripple: int,
+    gusty: int,
     outputs: Any,
     highs: Any,
     lows: Any,
@@ -297,8 +302,9 @@ def advance_columns(
         gather_columns(parameters, block, p)
         gather_columns(commands, block, u)
         advance_block(
-            y, p, u, mode, nodes, claw_nodes, block, clock, history, substeps, dt, spn, ripple, o, high, low, scratch
-        )
+            y, p, u, mode, nodes, claw_nodes, block, clock, history, substeps, dt, spn, ripple, gusty, o, high, low,
+            scratch,
+        )  # fmt: skip
         scatter_columns(y, block, live, state)
         scatter_columns(o, block, live, outputs)
         scatter_columns(high, block, live, highs)
@@ -364,7 +370,7 @@ def rates_room(parameters: int) -> int:
 
 @kernel
 def deck_columns(nodes: Any, piece: int, tau: float, spacing: float, decks: Any, room: Any, lanes: Any) -> None:
-    """`Deck` rows (claw left alone) of every column at `tau` seconds after node `piece`.
+    """`Deck` rows (claw and wind left alone) of every column at `tau` seconds after node `piece`.
 
     `room` is (DECK_ROOM, width), `lanes` (2, width).
     """
@@ -381,7 +387,7 @@ def deck_columns(nodes: Any, piece: int, tau: float, spacing: float, decks: Any,
             t[0, lane] = tau
         deck_kinematics(c, load(t, 0), d)
         for k in range(DECK_ROWS):
-            if k < CLAW_FIRST or k > CLAW_LAST:
+            if k < CLAW_FIRST or CLAW_LAST < k < WIND_FIRST:
                 for lane in range(live):
                     decks[k, block[lane]] = d[k, lane]
 
@@ -389,3 +395,4 @@ def deck_columns(nodes: Any, piece: int, tau: float, spacing: float, decks: Any,
 DECK_ROOM = DECK_CHANNELS * COEFFICIENTS + DECK_ROWS + 1
 CLAW_FIRST = int(Deck.C_CLAW_S)
 CLAW_LAST = int(Deck.V_CLAW_S) + 2
+WIND_FIRST = int(Deck.WIND)

@@ -145,7 +145,7 @@ def body_loads(y: Any, p: Any, d: Any, mode: Any, o: Any, R_NS: Any, R_SH: Any, 
     v_NH_S = add(v_NS_S, add(v_SH_S, cross(w_NS_S, r_SH_S)))  # (2.38)
     v_NCP_H = add(apply_t(R_SH, v_NH_S), cross(w_NH_H, r_HCP_H))  # (2.197)-(2.200)
     R_NH = matmul(R_NS, R_SH)
-    f_wind = wind(p, R_NH, v_NCP_H)
+    f_wind = wind(p, load3(d, Deck.WIND), R_NH, v_NCP_H)
     store3(o, Out.WIND_FX, f_wind)
 
     force = add(add(held[0], f_wind), load3(p, Par.WRENCH_H))  # (2.223)
@@ -245,8 +245,7 @@ def wheel_loads(
     moment = (zero, zero, zero)
     total = (zero, zero, zero, zero, zero, zero, zero, zero)  # fz, fy, fx, then means of dz, d_y, d_x, psi, contact x
     contact_y = zero
-    largest = zero
-    use = zero
+    peaks = (zero, zero, zero, zero, zero)  # of the tire that has most: dz, d_y, d_x, psi, share of friction in use
     count = mode[Mode.TIRES + i]
     share = 1.0 / max(count, 1)
     for k in range(count):
@@ -263,7 +262,7 @@ def wheel_loads(
         force = add(force, result[0])
         moment = add(moment, result[1])
         store3(dy, row, result[2])
-        fz, fy, fx, dz, d_y, d_x, psi, used = result[3]
+        fz, fy, fx, dz, d_y, d_x, psi, use = result[3]
         total = (
             total[0] + fz,
             total[1] + fy,
@@ -275,16 +274,27 @@ def wheel_loads(
             total[7] + share * (r_SW_S[0] + r_WT_S[0]),
         )
         contact_y = contact_y + share * (r_SW_S[1] + r_WT_S[1])
-        largest = where(fabs(d_y) > fabs(largest), d_y, largest)
-        use = maximum(use, used)
-    write_wheel_outputs(o, i, total, contact_y, largest, use)
+        peaks = larger(peaks, (dz, d_y, d_x, psi, use))
+    write_wheel_outputs(o, i, total, contact_y, peaks)
     horizontal = sqrt(total[1] * total[1] + total[2] * total[2])
     return (apply_t(R_SH, force), apply_t(R_SH, moment), horizontal)
 
 
 @kernel
-def write_wheel_outputs(o: Any, i: int, total: Any, contact_y: Any, largest: Any, use: Any) -> None:
-    """Station outputs of the tires; order of `total` as in `wheel_loads`."""
+def larger(a: Any, b: Any) -> Any:
+    """Element by element that of the larger magnitude, with its sign."""
+    return (
+        where(fabs(b[0]) > fabs(a[0]), b[0], a[0]),
+        where(fabs(b[1]) > fabs(a[1]), b[1], a[1]),
+        where(fabs(b[2]) > fabs(a[2]), b[2], a[2]),
+        where(fabs(b[3]) > fabs(a[3]), b[3], a[3]),
+        where(fabs(b[4]) > fabs(a[4]), b[4], a[4]),
+    )
+
+
+@kernel
+def write_wheel_outputs(o: Any, i: int, total: Any, contact_y: Any, peaks: Any) -> None:
+    """Station outputs of the tires; order of `total` and `peaks` as in `wheel_loads`."""
     out = STATION_OUT + i * STATION_OUT_ROWS
     store(o, out + StaOut.VERTICAL_LOAD, total[0])
     store(o, out + StaOut.LATERAL_LOAD, total[1])
@@ -295,8 +305,11 @@ def write_wheel_outputs(o: Any, i: int, total: Any, contact_y: Any, largest: Any
     store(o, out + StaOut.TIRE_TWIST, total[6])
     store(o, out + StaOut.CONTACT_X, total[7])
     store(o, out + StaOut.CONTACT_Y, contact_y)
-    store(o, out + StaOut.TIRE_LATERAL_DEFLECTION_LARGEST, largest)
-    store(o, out + StaOut.FRICTION_USE, use)
+    store(o, out + StaOut.TIRE_VERTICAL_DEFLECTION_LARGEST, peaks[0])
+    store(o, out + StaOut.TIRE_LATERAL_DEFLECTION_LARGEST, peaks[1])
+    store(o, out + StaOut.TIRE_LONGITUDINAL_DEFLECTION_LARGEST, peaks[2])
+    store(o, out + StaOut.TIRE_TWIST_LARGEST, peaks[3])
+    store(o, out + StaOut.FRICTION_USE, peaks[4])
 
 
 @kernel

@@ -26,7 +26,7 @@ STANDING_CAMBER = 0.57  # of (2.139), over 1.0 of (2.140)
 BLEND_ANGLE = 0.02  # slip angle at which the twist relaxes half with L_y, half with L_u [rad]
 FASTEST = 400.0  # bound of the relaxation rates [1/s]: beyond some 20 m/s, or on a nearly weightless tire
 MOST_TWIST = 0.2  # bound of the steady twist: (2.144) grows without limit as the load vanishes [rad]
-DAMPING_ENDS = 0.8  # share of the squared friction limit from which the damping forces fade
+LEAST_DAMPING = 1e-12  # over mu F_z: keeps 0/0 out of the share of damping that friction leaves
 
 
 @kernel
@@ -60,47 +60,55 @@ def yawed_moment(phi: Any) -> Any:
 
 
 @kernel
-def damping_share(u: Any) -> Any:
-    """1 up to `DAMPING_ENDS` of the squared friction limit, 0 from the limit on, smooth between."""
-    x = minimum(maximum((1.0 - u) * (1.0 / (1.0 - DAMPING_ENDS)), 0.0), 1.0)
-    return x * x * (3.0 - 2.0 * x)
+def damping_share(used: Any, size: Any) -> Any:
+    """Factor that keeps damping of `size` in the room that elastic forces `used` leave, both shares of the limit."""
+    return minimum(maximum(1.0 - used, 0.0) / maximum(size, LEAST_DAMPING), 1.0)
 
 
 @kernel
-def friction_limit(friction: int, F_z: Any, a: Any, b: Any, c: Any) -> Any:
-    """What friction leaves of the elastic forces.
+def friction_limit(friction: int, F_z: Any, a: Any, b: Any, c: Any, e: Any, f: Any) -> Any:
+    """What friction leaves of the elastic and of the damping forces.
+
+    Damping has the room between the elastic forces and the limit, whichever way it acts: by the triangle inequality
+    the sum stays within the limit.
 
     Args:
         friction: `Friction`.
         F_z: Vertical force [N]; nothing is left where it vanishes.
-        a: Longitudinal force over ``mu F_z``.
-        b: Lateral force over ``mu F_z``.
+        a: Longitudinal elastic force over ``mu F_z``.
+        b: Lateral elastic force over ``mu F_z``.
         c: Twisting moment over ``M_max``.
+        e: Longitudinal damping force over ``mu F_z``.
+        f: Lateral damping force over ``mu F_z``.
 
     Returns:
         ``(s_x, s_y, s_psi, damp_x, damp_y, use)``: factors of the elastic forces, of the damping forces, and the
-        share of the limit in use, at most 1.
+        share of the limit that both use together, at most 1.
     """
     loaded = where(F_z > 0.0, 1.0, 0.0)
     if friction == Friction.LIMIT_SURFACE:
-        u = a * a + b * b + c * c
-        root = sqrt(u)
+        root = sqrt(a * a + b * b + c * c)
         left = loaded / maximum(root, 1.0)
-        damp = damping_share(u)
-        return left, left, left, damp, damp, loaded * minimum(root, 1.0)
+        damp = damping_share(root, sqrt(e * e + f * f))
+        x, y = a + damp * e, b + damp * f
+        use = where(root < 1.0, minimum(sqrt(x * x + y * y + c * c), 1.0), 1.0)
+        return left, left, left, loaded * damp, loaded * damp, loaded * use
     twist = fabs(c)
     if friction == Friction.FRICTION_CIRCLE:
-        u = a * a + b * b
-        root = sqrt(u)
+        root = sqrt(a * a + b * b)
         left = loaded / maximum(root, 1.0)
-        damp = damping_share(u)
-        return left, left, loaded / maximum(twist, 1.0), damp, damp, loaded * minimum(maximum(root, twist), 1.0)
+        damp = damping_share(root, sqrt(e * e + f * f))
+        x, y = a + damp * e, b + damp * f
+        use = where(root < 1.0, minimum(maximum(sqrt(x * x + y * y), twist), 1.0), 1.0)
+        return left, left, loaded / maximum(twist, 1.0), loaded * damp, loaded * damp, loaded * use
     along = fabs(a)
     across = fabs(b)
     s_x = loaded / maximum(along, 1.0)  # (2.153)
     s_y = loaded / maximum(across, 1.0)  # (2.147)
-    use = loaded * minimum(maximum(along, across), 1.0)
-    return s_x, s_y, loaded, damping_share(a * a), damping_share(b * b), use
+    damp_x = loaded * damping_share(along, fabs(e))
+    damp_y = loaded * damping_share(across, fabs(f))
+    use = loaded * minimum(maximum(fabs(a + damp_x * e), fabs(b + damp_y * f)), 1.0)
+    return s_x, s_y, loaded, damp_x, damp_y, use
 
 
 @kernel
@@ -262,13 +270,15 @@ def tire(
     E_x = lock * k_x * d_x
     E_y = k_y * d_y + standing
     E_psi = k_psi * psi
+    D_x = lock * load(p, base + Tir.CX) * dot_x
+    D_y = load(p, base + Tir.CY) * dot_y
     s_x, s_y, s_psi, damp_x, damp_y, use = friction_limit(
-        friction, F_z, E_x * over_grip, E_y * over_grip, 1.5 * E_psi * over
+        friction, F_z, E_x * over_grip, E_y * over_grip, 1.5 * E_psi * over, D_x * over_grip, D_y * over_grip
     )
-    F_y = s_y * E_y + damp_y * load(p, base + Tir.CY) * dot_y  # (2.148)
+    F_y = s_y * E_y + damp_y * D_y  # (2.148)
     side = 2.0 * load(p, base + Tir.MU_AXLE) * load(p, base + Tir.AXLE_RADIUS) * (d * over_area)
     drag = (1.0 - lock) * rolls * (load(p, base + Tir.MU_RR) * F_z + side * fabs(F_y))  # (2.155), (2.156)
-    braked = s_x * E_x + damp_x * lock * load(p, base + Tir.CX) * dot_x  # (2.154)
+    braked = s_x * E_x + damp_x * D_x  # (2.154)
     F_x = braked + where(v_x < 0.0, drag, -drag)  # (2.157)
 
     # deflections within the limit: the stored ones are pulled towards them

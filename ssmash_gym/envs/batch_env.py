@@ -96,6 +96,7 @@ class TraverseBatch:
 
     Attributes:
         batch: The `simulation.Batch` underneath; generators: one a column; draws: of the running episodes.
+        last: The last observation of each, (n, size) float32.
 
     Raises:
         ConfigurationError: A configuration is refused; one sentence.
@@ -123,6 +124,7 @@ class TraverseBatch:
         self.batch = self.starter.batch(n, self.threads)
         self.observer = Observer(self.task)
         self.sensors = self._sensor_bank(n)
+        self.last: NDArray[np.float32] = np.zeros((n, self.observer.size), np.float32)
         self.book = EpisodeBook.blank(n, self.task.horizon_steps)
         self.book.over[:] = True
         self.generators: list[np.random.Generator | None] = [None] * n
@@ -162,15 +164,18 @@ class TraverseBatch:
             columns: Which.
             seeds: One a column; None lets the column's own generator continue (a first one is seeded by chance).
             draws: Ready-made draws instead of the scenario's, one a column; the generator still moves on.
+
+        Raises:
+            ConfigurationError: A draw is refused; nothing has been started.
         """
         chosen = self.batch.columns(columns)
+        given = self.starter.checked(draws, chosen.size, self.sensors.longest_delay_s, self.sensors.noisy)
         for i, k in enumerate(chosen):
             seed = None if seeds is None else seeds[i]
             if seed is not None or self.generators[k] is None:
                 self.generators[k] = np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))
                 self._nursery.forget(int(k))
-        given = [None] * chosen.size if draws is None else list(draws)
-        self._start(chosen, [d if d is None or isinstance(d, EpisodeDraw) else EpisodeDraw.from_dict(d) for d in given])
+        self._start(chosen, given)
         self.book.begin(chosen)
         telemetry, broken = columns_of(self.batch.telemetry, chosen, instant=True)
         first = self._reading(chosen, telemetry, broken, np.zeros((chosen.size, ACTIONS)))
@@ -186,7 +191,8 @@ class TraverseBatch:
             [d.sensors_delay_s for d in episodes if d],
             scaled[:, self.observer.sensors],
         )
-        return self.observer.observation(scaled)[0]
+        self.last[chosen] = self.observer.observation(scaled)[0]
+        return self.last[chosen]
 
     def _start(self, columns: Columns, given: Sequence[EpisodeDraw | None]) -> None:
         """Draw (or take) the columns' episodes and bring them to their start."""
@@ -253,6 +259,7 @@ class TraverseBatch:
             peak_before_N=self.book.peak_probe_N[columns],
             broken=broken,
             half_spread_m=self._half_spread,
+            limit_steps=self.limit_steps,
         )
 
     def _judged(self, columns: Columns, reading: Reading, saturation: Array) -> StepResult:
@@ -279,6 +286,7 @@ class TraverseBatch:
         scaled = self.observer.scaled(reading)
         scaled[:, self.observer.sensors] = self.sensors.read(columns, scaled[:, self.observer.sensors])
         observation, clipped = self.observer.observation(scaled)
+        self.last[columns] = observation
         result = StepResult(
             columns.copy(), observation, reward, terminated, truncated, cost, costs, margins, terms, saturation,
             clipped, reading.time_s,
@@ -311,6 +319,7 @@ class TraverseBatch:
             self.sensors.snapshot(),
             copy.deepcopy(self.generators),
             copy.deepcopy(self.draws),
+            self.last.copy(),
         )
 
     def restore(self, snapshot: BatchSnapshot) -> None:
@@ -320,6 +329,7 @@ class TraverseBatch:
         self.sensors.restore(snapshot.sensors)
         self.generators = copy.deepcopy(snapshot.generators)
         self.draws = copy.deepcopy(snapshot.draws)
+        self.last = snapshot.last.copy()
         self._nursery.clear()
 
     def fork(self, k: int) -> TraverseBatch:
@@ -334,6 +344,7 @@ class TraverseBatch:
         other.sensors.restore(self.sensors.snapshot(), copies)
         other.generators = [copy.deepcopy(self.generators[i]) for i in copies]
         other.draws = [self.draws[i] for i in copies]
+        other.last = self.last[copies]
         return other
 
 
@@ -346,6 +357,7 @@ class BatchSnapshot:
     sensors: dict[str, Any]
     generators: list[np.random.Generator | None]
     draws: list[EpisodeDraw | None]
+    last: NDArray[np.float32]
 
 
 def _sum(terms: Mapping[str, Array], n: int) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +33,14 @@ def divergence(batch: Batch, k: int, start_clock: int) -> dict[str, Any]:
     """
     state = batch.state[:, k]
     flagged = state[State.DIVERGED]
-    bad = np.flatnonzero(~np.isfinite(state))
+    bad = np.flatnonzero(~np.isfinite(state[: State.DIVERGED]))
     clock = float(batch.clocks[k])
     if bad.size:
         name, value = state_names()[int(bad[0])], float(state[bad[0]])
     elif flagged > 0.5:
         row = int(flagged) - 1
-        name, value = state_names()[row], float(state[row])
+        name = state_names()[row]
+        value = float(state[State.DIVERGED_VALUE]) or float("nan")  # 0 stands for it; the state holds the one before
         clock = float(state[State.DIVERGED_CLOCK])
     else:
         name, value = _bad_output(batch, k)
@@ -59,8 +61,9 @@ def _bad_output(batch: Batch, k: int) -> tuple[str, float]:
 def dump(folder: str | Path, batch: Batch, k: int, draw: EpisodeDraw | None, told: dict[str, Any]) -> str:
     """Write state, parameters and draw of column k to ``divergence_<n>.npz``; returns the path.
 
-    The arrays `state` (STATE_ROWS,), `parameters` (PARAMETER_ROWS,) and `nodes` (nodes, 18) are SI; `told` and `draw`
-    are JSON texts.
+    The arrays `state` (STATE_ROWS,), `parameters` (PARAMETER_ROWS,), `nodes` (nodes, 18) and `commands` (the claw's
+    memory of commands) are SI, `clock` counts substeps, `modes` are the rows of `layout.Mode`; `timing`, `told` and
+    `draw` are JSON texts.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -72,6 +75,10 @@ def dump(folder: str | Path, batch: Batch, k: int, draw: EpisodeDraw | None, tol
         state=batch.state[:, k],
         parameters=batch.parameters[:, k],
         nodes=batch.nodes[k],
+        commands=batch.snapshot().arrays["_commands"][:, k],
+        clock=batch.clocks[k],
+        modes=batch.mode,
+        timing=json.dumps(asdict(batch.timing)),
         told=json.dumps(told),
         draw=json.dumps(None if draw is None else draw.to_dict()),
     )

@@ -15,12 +15,13 @@ Flags = NDArray[np.bool_]
 
 # Reasons why an episode ends, the gravest first; the last two are no failures.
 DIVERGENCE: Final = "divergence"
-ULTIMATE: Final = "ultimate_load"
+ULTIMATE: Final = "ultimate_load"  # in-plane load above the task's limit
+PROBE_LOST: Final = "probe_lost"  # resultant load above what the helicopter's probe bears
 OVERTURNING: Final = "overturning"
 CORRIDOR: Final = "corridor"
 GOAL: Final = "goal"
 TIME: Final = "time"
-REASONS: Final = (DIVERGENCE, ULTIMATE, OVERTURNING, CORRIDOR, GOAL, TIME)
+REASONS: Final = (DIVERGENCE, ULTIMATE, PROBE_LOST, OVERTURNING, CORRIDOR, GOAL, TIME)
 
 
 def _probe_in_plane(r: Reading) -> Array:
@@ -67,10 +68,10 @@ def costs(margins: Mapping[str, Array]) -> dict[str, Array]:
 
 def endings(r: Reading, margins: Mapping[str, Array]) -> dict[str, Flags]:
     """Which helicopters are in which terminal condition, the gravest first; (n,) each."""
-    probe = (r["probe_lost"] > 0.5) | (r.probe_peak_N > 1e3 * r.task.limits.probe_ultimate_kN)
     return {
         DIVERGENCE: r.broken,
-        ULTIMATE: np.asarray(probe),
+        ULTIMATE: np.asarray(r.probe_peak_N > 1e3 * r.task.limits.probe_ultimate_kN),
+        PROBE_LOST: np.asarray(r["probe_lost"] > 0.5),
         OVERTURNING: np.asarray(margins["roll"] < 0.0),
         CORRIDOR: np.asarray(margins["corridor"] < 0.0),
         GOAL: np.asarray(r.held > r.task.hold_steps),

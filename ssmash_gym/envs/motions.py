@@ -12,8 +12,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.envs.ranges import Constant, Range, within
+from ssmash_gym.ship.harmonics import HIGHEST
+from ssmash_gym.ship.kinematics import EulerOrder
+from ssmash_gym.ship.recorded import DETREND
+from ssmash_gym.ship.shipmo import Rates
 
 Section = dict[str, Any]
+Extremes = list[tuple[str, Section]]
 Uniforms = Callable[[str], float]  # the uniform number that belongs to a named quantity
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -21,6 +26,10 @@ NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 DOFS: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _ZERO: Final = Constant(constant=0.0)
 _ONE: Final = Constant(constant=1.0)
+
+
+def _sine(period_s: float) -> Section:
+    return {"type": "sinusoid", "dof": "heave", "amplitude_m": 0.0, "period_s": period_s}
 
 
 class _Base(BaseModel):
@@ -45,6 +54,10 @@ class FixedMotion(_Base):
         """A section for `parse_motion`."""
         return {"type": "fixed", **self._mean(u)}
 
+    def extremes(self) -> Extremes:
+        """Sections that ask most of a table, each with the key that is at fault if it is refused."""
+        return []
+
 
 class SinusoidMotion(_Base):
     """One degree of freedom moves as a sine."""
@@ -66,6 +79,10 @@ class SinusoidMotion(_Base):
             "phase_deg": self.phase_deg.draw(u("motion.phase_deg")),
             **self._mean(u),
         }
+
+    def extremes(self) -> Extremes:
+        """Sections that ask most of a table, each with the key that is at fault if it is refused."""
+        return [("motion.period_s", _sine(self.period_s.bounds[0]))]
 
 
 class Levels(BaseModel):
@@ -124,6 +141,21 @@ class IrregularMotion(_Base):
                 section[dof] = {key: rms, "period_s": period}
         return section
 
+    def extremes(self) -> Extremes:
+        """Sections that ask most of a table, each with the key that is at fault if it is refused.
+
+        They are the fastest sines that each spectrum may hold, whatever is drawn.
+        """
+        low, high = self.severity.bounds
+        knots = [low, *(level for level in self.levels if low < level < high), high]
+        found: Extremes = []
+        for dof in DOFS:
+            part = getattr(self, dof)
+            if part is not None and any(part.rms):
+                period = float(np.min(np.interp(knots, self.levels, part.period_s))) * part.period_scatter.bounds[0]
+                found.append((f"motion.{dof}.period_s", _sine(period / HIGHEST)))
+        return found
+
 
 class RecordedMotions(BaseModel):
     """One of several recorded motions, from a random instant on."""
@@ -133,9 +165,9 @@ class RecordedMotions(BaseModel):
     type: Literal["file"] = "file"
     paths: tuple[str, ...] = Field(min_length=1, description="records in SHIPMO columns, each as likely")
     start_s: Annotated[Range, within(0.0, 1e6)] = Field(_ZERO, description="time of the record at the start [s]")
-    rates: Literal["euler", "body"] = "body"
-    euler_order: str = "zyx"
-    detrend: bool = True
+    rates: Rates = "body"
+    euler_order: EulerOrder = "zyx"
+    detrend: bool = DETREND
 
     def draw(self, u: Uniforms) -> Section:
         """A section for `parse_motion`, with the start in ``start_s``."""
@@ -147,6 +179,17 @@ class RecordedMotions(BaseModel):
             "detrend": self.detrend,
             "start_s": self.start_s.draw(u("motion.start_s")),
         }
+
+    def extremes(self) -> Extremes:
+        """Sections that ask most of a table, each with the key that is at fault if it is refused."""
+        places = {"motion.start_s": 0.0}
+        found: Extremes = []
+        for k in range(len(self.paths)):
+            places["motion.path"] = (k + 0.5) / len(self.paths)
+            section = self.draw(places.__getitem__)
+            found.append(("motion.paths", {**section, "start_s": 0.0}))
+            found.append(("motion.start_s", {**section, "start_s": self.start_s.bounds[1]}))
+        return found
 
 
 MotionRanges = Annotated[FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions, Field(discriminator="type")]

@@ -82,10 +82,6 @@ def _near(r: Reading) -> Array:
     return np.asarray(r.to_go_m / (0.25 + np.abs(r.to_go_m)))
 
 
-def _time_left(r: Reading) -> Array:
-    return np.asarray(r.task.horizon_s - r.time_s)
-
-
 def _held(r: Reading) -> Array:
     return np.asarray(r.held / max(r.task.hold_steps + 1, 1))
 
@@ -123,7 +119,7 @@ _TERMS: Final = (
     Term("to_go_near", "the same, d / (0.25 m + |d|): fine near the goal", "1", 1.0, 0.002, _near),
     _known("last_command_x", "command applied in the last interval, along", "1", 1.0, lambda r: r.command[:, 0]),
     _known("last_command_y", "command applied in the last interval, across", "1", 1.0, lambda r: r.command[:, 1]),
-    _known("time_left", "time until the limit", "s", 60.0, _time_left),
+    _known("time_left", "time until the limit", "s", 60.0, lambda r: r.time_left_s),
     _known("episode_peak", "largest in-plane probe load of the episode so far", "N", 1e4, lambda r: r.episode_peak_N),
     _known("goal_held", "share of the holding time that has passed in the goal", "1", 1.0, _held),
     # --- only in "full" ---

@@ -32,6 +32,7 @@ _TRACE_S: Final = 30.0
 _WORDS: Final = {
     "goal": "goal held",
     "ultimate_load": "ultimate probe load",
+    "probe_lost": "probe lost",
     "overturning": "overturned",
     "corridor": "left the corridor",
     "divergence": "simulation diverged",

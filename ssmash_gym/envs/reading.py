@@ -32,6 +32,7 @@ class Reading:
         held_before: Control instants in a row, up to the last one, at which the goal's tolerances were met.
         broken: Whether numbers were not finite, or the state is held because it diverged.
         half_spread_m: Largest distance of a tire from its station's middle [m], (3, 1).
+        limit_steps: Control intervals until the time limit.
     """
 
     task: TaskConfig
@@ -44,6 +45,7 @@ class Reading:
     peak_before_N: Array
     broken: Flags
     half_spread_m: Array
+    limit_steps: int
 
     def __getitem__(self, channel: str) -> Array:
         """A telemetry channel at the end of the interval."""
@@ -53,6 +55,11 @@ class Reading:
     def time_s(self) -> Array:
         """Time since the start [s]."""
         return np.asarray(self.steps * self.task.control_interval_s)
+
+    @cached_property
+    def time_left_s(self) -> Array:
+        """Time until the limit [s]."""
+        return np.asarray((self.limit_steps - self.steps) * self.task.control_interval_s)
 
     @cached_property
     def to_go_m(self) -> Array:

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.envs import motions
-from ssmash_gym.envs.loading import load
-from ssmash_gym.envs.motions import MotionRanges
+from ssmash_gym.envs.loading import load, validated
+from ssmash_gym.envs.motions import MotionRanges, RecordedMotions
 from ssmash_gym.envs.ranges import Constant, Range, within
-from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.errors import ConfigurationError, refusal, shown
+from ssmash_gym.ship import parse_motion
 
 _ZERO: Final = Constant(constant=0.0)
 _ONE: Final = Constant(constant=1.0)
@@ -38,6 +39,11 @@ class Wind(_Section):
     speed_mps: Annotated[Range, within(0.0, 60.0)] = Field(_ZERO, description="true wind speed [m/s]")
     from_deg: Range = Field(_ZERO, description="where the true wind comes from: 0 ahead, 90 starboard beam [deg]")
     ship_speed_mps: Annotated[Range, within(0.0, 30.0)] = Field(_ZERO, description="mean speed of the ship [m/s]")
+    gust_mps: Annotated[Range, within(0.0, 60.0)] = Field(
+        _ZERO, description="amplitude of a sine along the true wind's direction, on top of `speed_mps` [m/s]"
+    )
+    gust_period_s: Annotated[Range, within(0.5, 1e6)] = Field(Constant(constant=8.0), description="its period [s]")
+    gust_phase_deg: Range = Field(_ZERO, description="its phase when the lead-in starts [deg]")
 
 
 class Helicopter(_Section):
@@ -80,11 +86,18 @@ class ScenarioConfig(_Section):
     claw: Claw = Claw()
     sensors: Sensors = Sensors()
 
+    @model_validator(mode="after")
+    def _one_mean_speed(self) -> Self:
+        speeds = self.wind.ship_speed_mps.bounds
+        if isinstance(self.motion, RecordedMotions) and not self.motion.detrend and any(speeds):
+            raise ValueError(_TWICE.format(f"wind.ship_speed_mps from {speeds[0]:g} to {speeds[1]:g}"))
+        return self
+
     def sample(self, rng: np.random.Generator) -> EpisodeDraw:
         """Draw an episode; takes the same numbers from the generator whatever the ranges are."""
         motion_seed, sensor_seed = (int(s) for s in rng.integers(_SEEDS, size=2))
         numbers = dict(zip(_PLACES, rng.random(_RESERVED).tolist(), strict=False))
-        plain: dict[str, Any] = {name.replace(".", "_"): self._value(name, numbers[name]) for name in _QUANTITIES}
+        plain: dict[str, Any] = {name.replace(".", "_"): self._value(name, numbers[name]) for name in _DRAWN}
         return EpisodeDraw(
             **plain, motion=self.motion.draw(numbers.__getitem__), motion_seed=motion_seed, sensor_seed=sensor_seed
         )
@@ -114,6 +127,9 @@ class EpisodeDraw:
     wind_speed_mps: float
     wind_from_deg: float
     wind_ship_speed_mps: float
+    wind_gust_mps: float
+    wind_gust_period_s: float
+    wind_gust_phase_deg: float
     helicopter_mass_factor: float
     helicopter_cg_x_m: float
     helicopter_cg_y_m: float
@@ -139,14 +155,56 @@ class EpisodeDraw:
         """The inverse of `to_dict`.
 
         Raises:
-            ConfigurationError: A key is missing or unknown.
+            ConfigurationError: It is no mapping, a key is missing or unknown, or a value is not allowed.
         """
+        if not isinstance(record, Mapping):
+            raise ConfigurationError(f"draw: {shown(record)} is refused: must be a mapping, as in info['draw'].")
         known = {field.name for field in fields(cls)}
         wrong = sorted(known.symmetric_difference(record))
         if wrong:
             raise ConfigurationError(f"draw: the key {wrong[0]} is {'missing' if wrong[0] in known else 'unknown'}.")
-        plain: dict[str, Any] = {**record, "motion": dict(record["motion"])}
-        return cls(**plain)
+        motion = record["motion"]
+        plain: dict[str, Any] = {**record, "motion": dict(motion) if isinstance(motion, Mapping) else motion}
+        draw = cls(**plain)
+        check_draw(draw)
+        return draw
+
+
+def check_draw(draw: EpisodeDraw) -> None:
+    """Refuse a draw that no scenario could have given; what it needs of an environment is `Starter.check`'s.
+
+    Raises:
+        ConfigurationError: A value is no finite number, lies beyond what its range may give, or the motion is none.
+    """
+    sections: dict[str, dict[str, Any]] = {}
+    for name in _DRAWN:
+        section, key = name.split(".")
+        field, value = name.replace(".", "_"), getattr(draw, name.replace(".", "_"))
+        if value is None and field in _MAY_BE_NONE:
+            continue
+        if not _finite(value):
+            raise refusal("draw", field, value, "must be a finite number")
+        sections.setdefault(section, {})[key] = float(value)
+    for field in ("motion_seed", "sensor_seed"):
+        value = getattr(draw, field)
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+            raise refusal("draw", field, value, "must be a whole number of 0 or more")
+    for section, numbers in sections.items():
+        validated(_SECTIONS[section], numbers, f"draw: {section}")
+    if not isinstance(draw.motion, Mapping):
+        raise refusal("draw", "motion", draw.motion, "must be a mapping, as in info['draw']")
+    motion = dict(draw.motion)
+    start_s = motion.pop("start_s", 0.0)
+    if not _finite(start_s):
+        raise refusal("draw", "motion.start_s", start_s, "must be a finite number")
+    parse_motion(motion, where="draw: motion")
+    if motion["type"] == "file" and not motion.get("detrend", True) and draw.wind_ship_speed_mps:
+        raise ConfigurationError("draw: " + _TWICE.format(f"wind_ship_speed_mps = {draw.wind_ship_speed_mps:g}") + ".")
+
+
+def _finite(value: Any) -> bool:
+    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return number and bool(np.isfinite(value))
 
 
 _QUANTITIES: Final = (
@@ -169,7 +227,17 @@ _QUANTITIES: Final = (
     "sensors.delay_s",
 )
 # A new quantity takes a new place at the end, so that the old ones keep their random numbers.
-_PLACES: Final = (*_QUANTITIES, *motions.PLACES)
+_LATER: Final = ("wind.gust_mps", "wind.gust_period_s", "wind.gust_phase_deg")
+_PLACES: Final = (*_QUANTITIES, *motions.PLACES, *_LATER)
+_DRAWN: Final = (*_QUANTITIES, *_LATER)
+_MAY_BE_NONE: Final = ("claw_delay_s", "claw_ripple_along_m", "claw_ripple_across_m")
+_SECTIONS: Final[dict[str, type[_Section]]] = {
+    "start": Start, "wind": Wind, "helicopter": Helicopter, "claw": Claw, "sensors": Sensors,
+}  # fmt: skip
+_TWICE: Final = (
+    "{} is refused with a recorded motion and detrend: false: the record keeps its own mean speed, "
+    "which would count twice"
+)
 _RESERVED: Final = 64
 
 

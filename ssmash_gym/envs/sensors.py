@@ -39,6 +39,16 @@ class SensorBank:
         self._delay: Array = np.zeros(n)  # in control intervals
         self._generators = [np.random.default_rng(0) for _ in range(n)]
 
+    @property
+    def longest_delay_s(self) -> float:
+        """What the memory reaches back [s]."""
+        return float((self._past.shape[0] - 1) * self._interval)
+
+    @property
+    def noisy(self) -> bool:
+        """Whether any helicopter can have noise."""
+        return self._noisy
+
     def start(
         self, columns: Columns, seeds: Sequence[int], levels: Sequence[float], delays_s: Sequence[float], values: Array
     ) -> Array:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 from ssmash_gym.dynamics import vectors
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import SPEEDS, STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, State, Tir
-from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig
+from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, check_draw
 from ssmash_gym.envs.task import TaskConfig
-from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.errors import ConfigurationError, refusal, shown
 from ssmash_gym.ship import MotionSource, MotionTable, parse_motion
 from ssmash_gym.simulation.batch import Batch, Timing
 from ssmash_gym.simulation.parameters import parameter_column
@@ -48,8 +49,15 @@ def prepared(helicopter: Helicopter, task: TaskConfig) -> Helicopter:
     """The helicopter with its wheels as the task wants them and the probe held by the claw.
 
     Raises:
-        ConfigurationError: The helicopter's auxiliary station cannot castor (a swing arm), but the task wants it to.
+        ConfigurationError: The helicopter's auxiliary station cannot castor (a swing arm), but the task wants it to, or
+            the task's ultimate probe load lies above the probe's own.
     """
+    bears_kN = 1e-3 * helicopter.probe.ultimate_load_N
+    if task.limits.probe_ultimate_kN > bears_kN * (1.0 + 1e-9):
+        raise ConfigurationError(
+            f"task: limits.probe_ultimate_kN = {task.limits.probe_ultimate_kN:g} is refused for {helicopter.name}: "
+            f"must be at most the {bears_kN:g} kN at which its probe is lost (probe.ultimate_load_N)."
+        )
     changes: dict[str, object] = {**WHEEL_CHANGES[task.wheels], "probe.active": True, "probe.captured": True}
     if task.wheels != "locked":
         if helicopter.stations.auxiliary.kind == "swing_arm":
@@ -113,6 +121,12 @@ def relative_wind(draw: EpisodeDraw) -> Array:
     return np.asarray(wind - np.array([draw.wind_ship_speed_mps, 0.0, 0.0]))
 
 
+def gust(draw: EpisodeDraw) -> Array:
+    """Amplitude of the gust [m/s], N axes, (3,): along the true wind, which grows while the sine is positive."""
+    angle = np.deg2rad(draw.wind_from_deg)
+    return -draw.wind_gust_mps * np.array([np.cos(angle), np.sin(angle), 0.0])
+
+
 def _level(draw: EpisodeDraw) -> bool:
     """Whether the deck is level before the motion is ramped in."""
     return draw.motion["type"] != "file" and not (draw.motion.get("roll_deg") or draw.motion.get("pitch_deg"))
@@ -139,7 +153,7 @@ class Starter:
         self.longest_delay_s = task.claw.delay_s if delay is None else delay[1]
         self._column = parameter_column(self.helicopter)
         task.claw.fill(self._column, task.substep_s)
-        self._records: dict[str | None, MotionSource] = {}
+        self._records: dict[tuple[str, ...], MotionSource] = {}
         self._check_ranges()
 
     def _check_ranges(self) -> None:
@@ -156,6 +170,65 @@ class Starter:
             }
             if tuple(extreme.values()) != tuple(_VARIED.values()):
                 varied(self.helicopter, EpisodeDraw.from_dict({**example, **extreme}))
+        self._check_motion()
+
+    def _check_motion(self) -> None:
+        """Bake the motions that ask most of a table: what cannot be is told now, with the scenario's key."""
+        for key, section in self.scenario.motion.extremes():
+            try:
+                self._baked(section, 0)
+            except ConfigurationError as error:
+                raise ConfigurationError(f"scenario: {key} is refused: {error}") from None
+
+    def checked(
+        self,
+        draws: Sequence[EpisodeDraw | Mapping[str, Any] | None] | None,
+        count: int,
+        longest_sensor_delay_s: float,
+        noisy: bool,
+    ) -> list[EpisodeDraw | None]:
+        """Draws given by hand for `count` helicopters (None: let the scenario draw), each `check`-ed.
+
+        Raises:
+            ConfigurationError: It is no list of that length, or a draw is refused.
+        """
+        if draws is None:
+            return [None] * count
+        if not isinstance(draws, list | tuple) or len(draws) != count:
+            raise ConfigurationError(f"draws: {shown(draws)} is refused: must be a list of {count}, one a helicopter.")
+        given = [d if d is None or isinstance(d, EpisodeDraw) else EpisodeDraw.from_dict(d) for d in draws]
+        for draw in given:
+            if draw is not None:
+                self.check(draw, longest_sensor_delay_s, noisy)
+        return given
+
+    def check(self, draw: EpisodeDraw, longest_sensor_delay_s: float, noisy: bool) -> None:
+        """Refuse a draw given by hand that is none, or that this environment has no room for.
+
+        Args:
+            draw: The draw.
+            longest_sensor_delay_s: What the sensors' memory reaches back [s].
+            noisy: Whether the sensors can have noise.
+
+        Raises:
+            ConfigurationError: It is refused; one sentence.
+        """
+        check_draw(draw)
+        interval = self.task.control_interval_s
+        claw_s = math.ceil(self.longest_delay_s / interval - 1e-9) * interval
+        rooms = {
+            "claw_delay_s": (claw_s, "s, the longest claw delay of this task and scenario"),
+            "sensors_delay_s": (longest_sensor_delay_s, "s, the longest sensor delay of this scenario"),
+            "start_lateral_m": (self.task.claw.y_travel_m, "m either way, the claw's lateral travel"),
+        }
+        for field, (most, what) in rooms.items():
+            value = getattr(draw, field)
+            if value is not None and abs(value) > most + 1e-9:
+                raise refusal("draw", field, value, f"must be at most {most:g} {what}")
+        if draw.sensors_noise and not noisy:
+            raise refusal("draw", "sensors_noise", draw.sensors_noise, "must be 0, as this scenario has no noise")
+        if any(getattr(draw, f"helicopter_{key}") != plain for key, plain in _VARIED.items()):
+            varied(self.helicopter, draw)
 
     def batch(self, n: int, threads: int) -> Batch:
         """A batch of n such helicopters."""
@@ -169,6 +242,9 @@ class Starter:
         column = self._column.copy()
         vary(column, draw)
         column[Par.WIND : Par.WIND + 3] = relative_wind(draw)
+        column[Par.GUST : Par.GUST + 3] = gust(draw)
+        column[Par.GUST_OMEGA] = 2.0 * math.pi / draw.wind_gust_period_s
+        column[Par.GUST_PHASE] = math.radians(draw.wind_gust_phase_deg)
         if draw.claw_delay_s is not None:
             column[Par.CLAW_DELAY] = round(draw.claw_delay_s / self.task.substep_s) * self.task.substep_s
         if draw.claw_ripple_along_m is not None:
@@ -180,13 +256,19 @@ class Starter:
 
     def table(self, draw: EpisodeDraw) -> MotionTable:
         """The deck motion of a draw: lead-in, horizon and a little more."""
-        section = dict(draw.motion)
+        return self._baked(draw.motion, draw.motion_seed)
+
+    def _baked(self, given: Mapping[str, Any], seed: int) -> MotionTable:
+        section = dict(given)
         start_s = float(section.pop("start_s", 0.0))
-        path = section.get("path")  # a record is read once
-        source = self._records.get(path) or parse_motion(section, where="scenario.motion")
-        if path is not None:
-            self._records[path] = source
-        motion = source.realise(np.random.default_rng(draw.motion_seed))
+        if section["type"] == "file":  # a record is read once
+            key = tuple(f"{name}={value}" for name, value in sorted(section.items()))
+            if key not in self._records:
+                self._records[key] = parse_motion(section, where="motion")
+            source = self._records[key]
+        else:
+            source = parse_motion(section, where="motion")
+        motion = source.realise(np.random.default_rng(seed))
         duration = self.task.lead_in.duration_s + self.task.horizon_s + self.timing.node_spacing_s
         return motion.bake(duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s)
 

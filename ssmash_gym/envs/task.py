@@ -72,7 +72,8 @@ class Limits(Section):
     lift_off_kN: NotNegative = Field(description="vertical load below which a station counts as lifted [kN]; assumed")
     roll_deg: Positive = Field(description="roll relative to the deck that counts as overturning [deg]; assumed")
     probe_ultimate_kN: Positive = Field(
-        description="in-plane probe load that breaks it [kN]; assumed: above the worst trapezoid in sea state 6"
+        description="in-plane probe load that ends the episode, at most the probe's ultimate_load_N [kN]; assumed: "
+        "above the worst trapezoid in sea state 6"
     )
 
 
@@ -98,7 +99,8 @@ class Reward(Section):
     )
     load_linear_from: Positive = Field(description="excess, in soft limits, from which it falls linearly [1]; assumed")
     peak: NotNegative = Field(
-        description="for each soft limit by which the episode's largest probe load rises above the first one [1]; assumed"
+        description="for each soft limit by which the episode's largest probe load rises above the first one [1]; "
+        "assumed"
     )
     command_change: NotNegative = Field(
         description="for the squared change of the applied command; assumed: hunting at 10 Hz is a limit cycle"

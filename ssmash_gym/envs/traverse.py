@@ -47,8 +47,8 @@ class TraverseEnv(gymnasium.Env[Any, Any]):
     Settled on the moving deck after a lead-in, at a drawn yaw and lateral offset; ``info["draw"]`` tells all draws.
 
     ## Episode End
-    Terminated with ``info["reason"]``: goal (held 2 s), ultimate_load, overturning, corridor, divergence. Truncated:
-    time (60 s).
+    Terminated with ``info["reason"]``: goal (held 2 s), ultimate_load, probe_lost, overturning, corridor,
+    divergence. Truncated: time (60 s).
 
     ## Arguments
     `task`, `scenario`, `helicopter`: a name, a YAML file, or a mapping of changes (`TraverseBatch`); `observation`;

@@ -24,6 +24,7 @@ from ssmash_gym.envs.spaces import (
 )
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.envs.traverse import reset_info
+from ssmash_gym.errors import ConfigurationError, shown
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.vehicle import Helicopter
 
@@ -86,7 +87,7 @@ class TraverseVectorEnv(VectorEnv[Array, Array, Array]):
         shown = range(core.n) if self.render_mode == "rgb_array" else ()
         self._films = [Film(self.core, k, "rgb_array") for k in shown]
         self._waiting: Flags = core.book.over & (core.book.steps > 0)  # NEXT_STEP: resets at the next step
-        self._last: Array = np.zeros((core.n, core.observer.size), np.float32)
+        self._last: Array = core.last.copy()
 
     @property
     def control_interval_s(self) -> float:
@@ -114,6 +115,7 @@ class TraverseVectorEnv(VectorEnv[Array, Array, Array]):
 
         Raises:
             ValueError, TypeError: A seed list of the wrong length, a mask that is no bool array, an unknown option.
+            ConfigurationError: A draw is refused; one sentence.
         """
         chosen = checked_options(options, "reset_mask", "draws")
         columns = np.arange(self.num_envs)
@@ -121,6 +123,10 @@ class TraverseVectorEnv(VectorEnv[Array, Array, Array]):
             columns = np.flatnonzero(self._mask(chosen["reset_mask"]))
         seeds = self._seeds(seed)
         draws = chosen.get("draws")
+        if draws is not None and (not isinstance(draws, list | tuple) or len(draws) != self.num_envs):
+            raise ConfigurationError(
+                f"draws: {shown(draws)} is refused: must be a list of {self.num_envs}, one a helicopter."
+            )
         observation = self._last.copy()
         observation[columns] = self.core.reset(
             columns, [seeds[k] for k in columns], None if draws is None else [draws[k] for k in columns]

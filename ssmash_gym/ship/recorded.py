@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,12 +15,14 @@ from ssmash_gym.ship.kinematics import (
     angles_from_rotation,
     angular_acceleration,
     angular_velocity,
+    axis_rotation,
     rotation,
 )
 from ssmash_gym.ship.motion import Motion, Signal
 from ssmash_gym.ship.shipmo import COLUMNS, Rates, ShipmoRecord
 
 DEGREE: Final = 5  # of the spline through the samples: accelerations are smooth, not a chain of straight lines
+DETREND: Final = True  # unless a configuration says otherwise: a deck table is in the steadily translating mean frame
 MARGIN: Final = 3  # samples at each end left out of the comparison: a spline's derivatives are weakest there
 NOTICEABLE: Final = 0.02  # share of a column's own size from which a discrepancy is worth a warning
 _OTHER: Final[dict[Rates, Rates]] = {"body": "euler", "euler": "body"}
@@ -60,15 +62,17 @@ class RecordedMotion(Motion):
         record: The file's columns.
         rates: What columns 8-10 and 14-16 hold.
         order: Sequence of the file's angles; they are turned into the z-y-x sequence.
-        detrend: Remove the straight line (least squares) from each position, and its slope from the velocity: the
-            mean ship speed and the drift of integrated noise. Otherwise nothing is removed.
+        detrend: Give the motion in the record's own steadily translating mean frame, x along the mean heading: the mean
+            yaw is taken off, velocities and accelerations are turned into that heading, and the straight line (least
+            squares) is removed from each position and its slope from the velocity (the mean ship speed and the drift
+            of integrated noise). Otherwise nothing is removed, and the axes are the file's.
 
     Attributes:
         discrepancies: One entry for each of the columns 8-16.
     """
 
     def __init__(
-        self, record: ShipmoRecord, rates: Rates = "body", order: EulerOrder = "zyx", *, detrend: bool = False
+        self, record: ShipmoRecord, rates: Rates = "body", order: EulerOrder = "zyx", *, detrend: bool = DETREND
     ):
         from scipy.interpolate import make_interp_spline  # here, so that importing the package stays quick
 
@@ -76,6 +80,11 @@ class RecordedMotion(Motion):
         time = record.step_s * np.arange(n)
         given = np.unwrap(record.angles, axis=0)
         angles = given if order == "zyx" else np.unwrap(angles_from_rotation(rotation(given, order)), axis=0)
+        if detrend:
+            heading = float(np.mean(angles[:, 2]))
+            angles = angles - np.array([0.0, 0.0, heading])
+            R_ahead = axis_rotation(2, np.array(-heading))  # the file's N axes to those along the mean heading
+            record = replace(record, velocity=record.velocity @ R_ahead.T, acceleration=record.acceleration @ R_ahead.T)
         self.name = record.name
         self._duration = float(time[-1])
         self._step = record.step_s

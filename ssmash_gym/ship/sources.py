@@ -19,7 +19,7 @@ from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.ship.harmonics import Component, Harmonics, irregular_component, spectrum_bins
 from ssmash_gym.ship.kinematics import EulerOrder, FloatArray
 from ssmash_gym.ship.motion import DEFAULT_SPACING_S, N_CHANNELS, Motion, MotionTable
-from ssmash_gym.ship.recorded import RecordedMotion
+from ssmash_gym.ship.recorded import DETREND, RecordedMotion
 from ssmash_gym.ship.shipmo import Rates, read_shipmo
 
 Dof = Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
@@ -192,7 +192,9 @@ class MotionFile(Section):
     path: Path = Field(description="the record; a relative path is taken from the configuration file's folder")
     rates: Rates = Field("body", description="columns 8-10, 14-16: angular velocity in ship axes, or angle rates")
     euler_order: EulerOrder = Field("zyx", description="sequence of the angles, first rotation first (intrinsic)")
-    detrend: bool = Field(False, description="remove the mean velocity and the drift of the integrated positions")
+    detrend: bool = Field(
+        DETREND, description="remove mean heading, mean velocity and the drift of the integrated positions"
+    )
 
     @field_validator("path")
     @classmethod

@@ -36,6 +36,7 @@ class Snapshot:
     """Copy of everything a batch is at one instant; immutable by convention, taken by `Batch.snapshot`."""
 
     arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+    helicopters: tuple[Helicopter, ...]
 
 
 class Batch:
@@ -71,7 +72,12 @@ class Batch:
         threads: int = 1,
         longest_delay_s: float = 0.2,
     ) -> None:
-        fleet = list(helicopters) if isinstance(helicopters, Sequence) else [helicopters] * (count or 1)
+        if isinstance(helicopters, Sequence):
+            fleet = list(helicopters)
+        else:
+            fleet = [helicopters] * (1 if count is None else count)
+        if not fleet or (count is not None and count != len(fleet)):
+            raise ConfigurationError(f"count = {count}: must be at least 1, and is not needed beside a list")
         self.helicopters = fleet
         self.timing = timing or Timing()
         self.modes = modes or Modes()
@@ -119,7 +125,11 @@ class Batch:
         if columns is None:
             return np.arange(self.n)
         chosen = np.atleast_1d(np.asarray(columns))
-        return np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen.astype(np.int64)
+        if chosen.dtype == np.bool_:
+            return np.flatnonzero(chosen)
+        if np.unique(chosen).size < chosen.size:
+            raise ValueError(f"columns {chosen.tolist()}: a helicopter must not be listed twice")
+        return chosen.astype(np.int64)
 
     @property
     def time_s(self) -> Array:
@@ -144,12 +154,13 @@ class Batch:
         """
         chosen = self.columns(columns)
         spacing = self.timing.node_spacing_s
-        longest = max(table.nodes.shape[0] for table in tables)
+        for table in tables:
+            if abs(table.spacing_s - spacing) > 1e-9:
+                raise ConfigurationError(f"deck-motion table: node spacing {table.spacing_s} s, must be {spacing} s")
+        longest = 1 + max(table.nodes.shape[0] for table in tables)  # a held node follows the last one
         if longest > self._nodes.shape[1]:
             self._lengthen(longest)
         for k, table in zip(chosen, tables, strict=True):
-            if abs(table.spacing_s - spacing) > 1e-9:
-                raise ConfigurationError(f"deck-motion table: node spacing {table.spacing_s} s, must be {spacing} s")
             count = table.nodes.shape[0]
             self._nodes[k, :count] = table.nodes
             self._nodes[k, count:] = 0.0
@@ -240,6 +251,7 @@ class Batch:
                           self.timing.substep_s, decks)  # fmt: skip
         else:
             write_drive(self.state[:, columns], self.parameters[:, columns], self.time_s[columns], decks)
+        engine.write_wind(self.parameters[:, columns], self.time_s[columns], decks)
         return decks
 
     # --- time ------------------------------------------------------------------------------------------------
@@ -262,6 +274,8 @@ class Batch:
             ValueError: a command is not finite or beyond +-1, there is no interval to run, or a deck-motion table
                 ends before the last one does.
         """
+        if self._mode[Mode.CLAW] == ClawDrive.PRESCRIBED and self._claw_nodes.shape[1] == 2:
+            raise ConfigurationError("modes.claw = 'prescribed': give the claw's history by prescribe_claw first")
         chosen = self.columns(columns)
         values = np.zeros((chosen.size, 2)) if command is None else np.asarray(command, dtype=np.float64)
         if values.shape != (chosen.size, 2) or not np.all(np.abs(values) <= 1.0):
@@ -312,10 +326,17 @@ class Batch:
 
     def snapshot(self) -> Snapshot:
         """Copy of the complete state."""
-        return Snapshot({name: getattr(self, name).copy() for name in self._SAVED})
+        return Snapshot({name: getattr(self, name).copy() for name in self._SAVED}, tuple(self.helicopters))
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Return to a snapshot of this batch (or of one of the same size and layout), bit for bit."""
+        """Return to a snapshot of this batch (or of one of the same size and layout), bit for bit.
+
+        Raises:
+            ConfigurationError: the snapshot is of another size.
+        """
+        if len(snapshot.helicopters) != self.n:
+            raise ConfigurationError(f"snapshot of {len(snapshot.helicopters)} helicopters: must be of {self.n}")
+        self.helicopters = list(snapshot.helicopters)
         for name, array in snapshot.arrays.items():
             setattr(self, name, array.copy())
 

@@ -34,7 +34,7 @@ from ssmash_gym.dynamics.layout import (
     Tir,
     TireModel,
 )
-from ssmash_gym.dynamics.oleo import force_at, region2_constants
+from ssmash_gym.dynamics.oleo import region2_constants
 from ssmash_gym.errors import refusal
 from ssmash_gym.vehicle.description import Helicopter
 from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_length
@@ -198,7 +198,6 @@ def _fill_oleo(rows: Array, oleo: GasOleo) -> None:
     rows[Sta.R2_C], rows[Sta.R2_D] = region2_constants(
         *gas, oleo.x0_m, oleo.extension_stiffness_Npm, oleo.reference_pressure_Pa
     )
-    rows[Sta.F_X1] = force_at(*gas, oleo.x1_m, oleo.reference_pressure_Pa)
     rows[Sta.E1], rows[Sta.F1], rows[Sta.G1] = oleo.region4
     rows[Sta.E2], rows[Sta.F2], rows[Sta.G2] = oleo.region5
     rows[Sta.C01], rows[Sta.C02], rows[Sta.C03] = oleo.c01_N, oleo.c02_Nspm, oleo.c03_Ns2pm2

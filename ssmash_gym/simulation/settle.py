@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.dynamics import engine, vectors
-from ssmash_gym.dynamics.channels import STATION_OUT, STATION_OUT_ROWS, Out, StaOut
+from ssmash_gym.dynamics.channels import Out
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import (
     SPEEDS,
@@ -95,7 +95,8 @@ def lie_down(batch: Batch, columns: Columns) -> None:
     claw = batch.state[State.CLAW_X : State.CLAW_VY + 1, columns].copy()
     lower(batch, columns)
     held = [Par.LOCK + k for k in _HELD]
-    free = [Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK for i in range(STATIONS)] + [int(Par.PROBE_ACTIVE)]
+    free = [Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK for i in range(STATIONS)]
+    free += [int(Par.PROBE_ACTIVE), *range(Par.GUST, Par.GUST + 3)]
     rows = np.ix_(np.array(held + free), columns)
     kept = batch.parameters[rows]
     batch.parameters[rows] = np.repeat([1.0, 0.0], [len(held), len(free)])[:, None]
@@ -200,12 +201,16 @@ def deck_angles(decks: Array) -> Array:
 
 
 def still_decks(batch: Batch, columns: Columns) -> Array:
-    """`Deck` rows with the present attitude and no motion; the claw rests where it is, its drive's ripple left out."""
+    """`Deck` rows with the present attitude and no motion; the claw rests where it is, its drive's ripple left out.
+
+    The wind is the mean one: a helicopter does not rest in a gust.
+    """
     decks = batch.deck_rows(columns)
     if batch.mode[Mode.CLAW] == ClawDrive.COMMANDED:
         decks[Deck.C_CLAW_S : Deck.C_CLAW_S + 2] = batch.state[State.CLAW_X : State.CLAW_Y + 1, columns]
     decks[Deck.W_NS_S : Deck.C_CLAW_S] = 0.0
     decks[Deck.V_CLAW_S : Deck.V_CLAW_S + 3] = 0.0
+    decks[Deck.WIND : Deck.WIND + 3] = batch.parameters[Par.WIND : Par.WIND + 3, columns]
     return decks
 
 
@@ -287,9 +292,3 @@ def turn(state: Array, row: int, angles: tuple[Array, Array, Array]) -> None:
     state[row + 1] = e0 * d1 + e1 * d0 + e2 * d3 - e3 * d2
     state[row + 2] = e0 * d2 - e1 * d3 + e2 * d0 + e3 * d1
     state[row + 3] = e0 * d3 + e1 * d2 - e2 * d1 + e3 * d0
-
-
-def vertical_loads(batch: Batch, columns: Columns) -> Array:
-    """Vertical tire loads of the three stations as last read [N], (3, n)."""
-    rows = [STATION_OUT + i * STATION_OUT_ROWS + int(StaOut.VERTICAL_LOAD) for i in range(STATIONS)]
-    return batch.telemetry.outputs[rows][:, columns]

@@ -83,7 +83,9 @@ def channel(name: str) -> Channel:
 
 @dataclass(frozen=True)
 class Telemetry:
-    """What a batch reads after an interval; arrays are copies, shape (N,), SI units.
+    """What a batch reads after an interval; a channel is read as a copy, shape (N,), SI units.
+
+    It looks into the batch: read it before the next interval.
 
     ``telemetry["probe_in_plane"]`` is the value at the end of the interval; `peak_max` and `peak_min` are the
     extremes over all its substeps, both ends included.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ssmash_gym.errors import ConfigurationError
 
+LONGEST_SUBSTEP_S = 0.005
 NODE_SPACING_S = 0.25  # C2 quintic pieces: below 2e-5 of the acceleration's deviation in a seaway
 
 
@@ -22,8 +23,11 @@ class Timing:
 
     def __post_init__(self) -> None:
         """Check that the interval is a whole number of substeps."""
-        if not 0.0 < self.substep_s <= 0.02:
-            raise ConfigurationError(f"substep_s = {self.substep_s}: must be above 0 and at most 0.02 s")
+        if not 0.0 < self.substep_s <= LONGEST_SUBSTEP_S:
+            raise ConfigurationError(
+                f"substep_s = {self.substep_s}: must be above 0 and at most {LONGEST_SUBSTEP_S} s; "
+                "longer steps give wrong peaks that look healthy"
+            )
         ratio = self.control_interval_s / self.substep_s
         if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6 * ratio:
             raise ConfigurationError(

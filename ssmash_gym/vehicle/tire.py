@@ -42,7 +42,7 @@ class Tire(Part):
     )
     bottoming_deflection_m: Positive = Field(description="Vertical deflection at which the rim is reached [m]")
     bottoming_stiffness_Npm: NonNegative = Field(description="Vertical stiffness added beyond that [N/m]")
-    pull_back_rate_ps: NonNegative = Field(
+    pull_back_rate_ps: Positive = Field(
         description="Rate at which deflections return to the friction limit, k_pull [1/s]"
     )
     pitch_moment_coefficient: Number = Field(

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ssmash_gym.dynamics.aero import wind
+from ssmash_gym.dynamics.aero import place_wind, wind
 from ssmash_gym.dynamics.lane import WIDTH, kernel, load, uncompiled
-from ssmash_gym.dynamics.layout import PARAMETER_ROWS, Par
+from ssmash_gym.dynamics.layout import DECK_ROWS, PARAMETER_ROWS, Deck, Par
 from ssmash_gym.dynamics.vectors import load3, rotation, store3
 
 plain_wind = uncompiled(wind)
@@ -20,9 +20,9 @@ LEVEL = tuple(np.eye(3).reshape(9)[:, None])
 def force(true_wind: object, velocity: object = (0.0, 0.0, 0.0), R_NH: tuple = LEVEL) -> np.ndarray:
     p = np.zeros((PARAMETER_ROWS, 1))
     p[Par.AREA : Par.AREA + 3, 0], p[Par.AIR_DENSITY] = AREA, DENSITY
-    p[Par.WIND : Par.WIND + 3, 0] = true_wind
+    wind_N = tuple(np.asarray(true_wind, dtype=float)[:, None])
     with np.errstate(divide="raise", invalid="raise", over="raise"):
-        return np.array(plain_wind(p, R_NH, tuple(np.asarray(velocity, dtype=float)[:, None])))[:, 0]
+        return np.array(plain_wind(p, wind_N, R_NH, tuple(np.asarray(velocity, dtype=float)[:, None])))[:, 0]
 
 
 def test_no_wind_no_force() -> None:
@@ -61,17 +61,38 @@ def test_wind_does_work_on_what_drifts_slower_and_is_odd(v: tuple, u: tuple) -> 
     np.testing.assert_array_equal(F, -force(-np.array(v), -np.array(u)))
 
 
+def placed(gust: object, time: object, gusty: int = 1) -> np.ndarray:
+    """Wind rows at the times, (3, n)."""
+    times = np.atleast_1d(np.asarray(time, dtype=float))
+    p, d = np.zeros((PARAMETER_ROWS, times.size)), np.full((DECK_ROWS, times.size), 99.0)
+    p[Par.WIND : Par.WIND + 3] = np.array([3.0, -8.0, 0.5])[:, None]
+    p[Par.GUST : Par.GUST + 3] = np.asarray(gust, dtype=float)[:, None]
+    p[Par.GUST_OMEGA], p[Par.GUST_PHASE] = 2.0 * np.pi / 5.0, 0.7
+    uncompiled(place_wind)(p, gusty, times, d)
+    assert np.all(d[: Deck.WIND] == 99.0)
+    return d[Deck.WIND : Deck.WIND + 3]
+
+
+def test_a_gust_swings_about_the_mean_wind_with_its_period() -> None:
+    times = np.linspace(0.0, 5.0, 41)[:-1]
+    wind_N = placed((1.0, 2.0, 0.0), times)
+    np.testing.assert_allclose(wind_N.mean(axis=1), (3.0, -8.0, 0.5), atol=1e-12)
+    np.testing.assert_allclose(wind_N[1], -8.0 + 2.0 * np.sin(2.0 * np.pi * times / 5.0 + 0.7), atol=1e-12)
+    np.testing.assert_allclose(placed((1.0, 2.0, 0.0), times + 5.0), wind_N, atol=1e-12)
+    assert np.array_equal(placed((0.0, 0.0, 0.0), times), placed((0.0, 0.0, 0.0), times, gusty=0))  # bit for bit
+
+
 @kernel
 def wind_driver(p, y, out):
     R_NH = rotation(load(y, 0), load(y, 1), load(y, 2), load(y, 3))
-    store3(out, 0, wind(p, R_NH, load3(y, 4)))
+    store3(out, 0, wind(p, load3(y, 7), R_NH, load3(y, 4)))
 
 
 def test_lanes_give_the_bits_of_numpy() -> None:
     rng = np.random.default_rng(5)
     for _ in range(200):
         p = rng.uniform(0.0, 20.0, (PARAMETER_ROWS, WIDTH))
-        y = rng.normal(size=(7, WIDTH))
+        y = rng.normal(size=(10, WIDTH))
         lanes, plain = np.zeros((3, WIDTH)), np.zeros((3, WIDTH))
         wind_driver(p, y, lanes)
         uncompiled(wind_driver)(p, y, plain)

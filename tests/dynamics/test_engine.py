@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from ssmash_gym.dynamics import engine, stepper
-from ssmash_gym.dynamics.channels import OUTPUT_ROWS
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
 from ssmash_gym.dynamics.lane import WIDTH, uncompiled
 from ssmash_gym.dynamics.layout import Par, State
 from ssmash_gym.ship import Irregular
@@ -140,7 +140,7 @@ def test_compiled_lanes_give_the_bits_of_the_uncompiled_source(name: str, n: int
     room, lanes = np.zeros((rows, WIDTH)), np.zeros((2, WIDTH), np.int64)
     history = plain._commands.shape[0] // 2
     uncompiled(stepper.advance_columns)(
-        *arguments[1], columns, 0, -(-n // WIDTH), history, substeps, 0.002, 125, 1, plain._outputs, plain._highs,
+        *arguments[1], columns, 0, -(-n // WIDTH), history, substeps, 0.002, 125, 1, 1, plain._outputs, plain._highs,
         plain._lows, room, lanes,
     )  # fmt: skip
     for k in range(n):
@@ -183,3 +183,41 @@ def test_two_processes_agree() -> None:
 
 def test_threads_available_are_those_of_this_process() -> None:
     assert 1 <= engine.available_threads() <= (os.cpu_count() or 1)
+
+
+def gusty(n: int = 3) -> Batch:
+    """A calm column, one with a gust of no amplitude and one with a gust of 3 s, all on a still deck."""
+    batch = Batch(load_helicopter("generic_tricycle"), n, claw=ClawLimits(ripple_across_m=0.001))
+    batch.parameters[Par.WIND + 1] = 10.0
+    batch.parameters[Par.GUST_OMEGA, 1:] = 2.0 * np.pi / 3.0
+    batch.parameters[Par.GUST_PHASE, 1:] = 0.4
+    batch.parameters[Par.GUST + 1, 2:] = 4.0
+    batch.place(0.0, 0.0, 0.0)
+    return batch
+
+
+def test_a_gust_makes_the_wind_force_swing_with_its_period() -> None:
+    batch = gusty()
+    calm = gusty(1)
+    rest = batch.state.copy()
+    assert np.array_equal(rest[:, 2], rest[:, 0])  # settled in the mean wind
+    force = []
+    for _ in range(90):
+        calm.advance()
+        force.append(batch.advance()["wind_fy"])
+    force = np.array(force)
+    assert np.array_equal(batch.state[:, 0], calm.state[:, 0]) and np.array_equal(force[:, 0], force[:, 1])
+    spectrum = np.abs(np.fft.rfft(force[:, 2] - force[:, 2].mean()))  # 9 s: the third line is the gust's
+    assert np.argmax(spectrum) == 3 and spectrum[3] > 5.0 * np.max(np.delete(spectrum, 3))
+    assert np.max(force[:, 2]) / force[0, 0] == pytest.approx(1.4**2, rel=0.03)
+    assert np.min(force[:, 2]) / force[0, 0] == pytest.approx(0.6**2, rel=0.06)
+
+
+def test_reading_an_instant_of_a_gust_is_what_the_engine_left_there() -> None:
+    batch = gusty()
+    batch.advance(intervals=7)
+    left = batch.telemetry.outputs.copy()
+    again = batch.evaluate().outputs
+    rows = [Out.WIND_FX, Out.WIND_FY, Out.WIND_FZ]
+    assert np.array_equal(again[rows], left[rows]) and left[Out.WIND_FY, 2] != left[Out.WIND_FY, 1]
+    np.testing.assert_allclose(again, left, rtol=1e-9, atol=1e-6)

@@ -78,7 +78,7 @@ def test_every_mode_runs_and_is_a_choice(name: str) -> None:
     default = final_state(helicopter)
     others = [
         Modes(contact="centre"), Modes(friction="friction_circle"), Modes(friction="independent"),
-        Modes(probe_law="ellipse"), Modes(probe_law="printed"), Modes(claw="prescribed"),
+        Modes(probe_law="ellipse"), Modes(probe_law="printed"),
     ]  # fmt: skip
     found = [default] + [final_state(helicopter, modes) for modes in others]
     for i, a in enumerate(found):

@@ -218,7 +218,7 @@ def test_spring_curve_is_the_kernel_and_shows_a_falling_region_two() -> None:
     np.testing.assert_array_equal(curve[0], plain_spring(block(), 0, x[0]))
     assert np.all(np.diff(curve) > 0.0)
     small = np.linspace(0.0, STRUT["x0"], 1001)
-    within = 3 * oleo.force_at(*GAS.values(), STRUT["x0"], STRUT["p_ref"]) / STRUT["x0"]
+    within = 3 * oleo.gas_law(*GAS.values(), STRUT["x0"], STRUT["p_ref"])[0] / STRUT["x0"]
     assert np.all(np.diff(oleo.spring_curve({**STRUT, "k": within}, small)) > 0.0)
     assert np.any(np.diff(oleo.spring_curve({**STRUT, "k": 3 * within}, small)) < 0.0)
 
@@ -227,7 +227,7 @@ def test_faulty_sets_are_refused_in_a_sentence() -> None:
     with pytest.raises(ValueError, match="x0 = 0 m must be greater than 0"):
         oleo.region2_constants(*GAS.values(), 0.0, 1e6)
     with pytest.raises(ValueError, match=r"must be less than gas_v / gas_a = 0.48 m"):
-        oleo.force_at(*GAS.values(), 0.5)
+        oleo.gas_law(*GAS.values(), 0.5)
     with pytest.raises(ValueError, match="needs gas_a"):
         oleo.spring_curve({name: value for name, value in STRUT.items() if name != "gas_a"}, np.zeros(1))
 

@@ -123,3 +123,18 @@ def test_what_is_locked_stays() -> None:
     batch.parameters[Par.LOCK : Par.LOCK + SPEEDS] = 1.0
     got = integrate(problem(batch, COMMANDS[:2]), rtol=1e-6)
     assert np.array_equal(got.states[: State.TIRE], np.repeat(got.states[: State.TIRE, :1], 101, axis=1))
+
+
+def test_the_reference_meets_the_same_gust() -> None:
+    batch = prepared("generic_tricycle", 0.001, start_clock=400)
+    batch.parameters[Par.WIND + 1] = 8.0
+    batch.parameters[Par.GUST + 1] = 5.0
+    batch.parameters[Par.GUST_OMEGA], batch.parameters[Par.GUST_PHASE] = 4.0, 0.3
+    expected = integrate(problem(batch, np.zeros((5, 2))), rtol=1e-7, atol=1e-9)
+    rows = []
+    for k in range(5):
+        batch.advance()
+        rows.append((batch.telemetry["wind_fy"][0], expected.outputs[Out.WIND_FY, 100 * (k + 1)]))
+    engine, reference = np.array(rows).T
+    np.testing.assert_allclose(engine, reference, rtol=1e-4)
+    assert np.ptp(reference) > 0.3 * np.mean(reference)

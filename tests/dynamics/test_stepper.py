@@ -79,12 +79,14 @@ def test_a_bad_row_is_named_and_the_sound_state_kept(bad: float) -> None:
     y[State.PROBE_CAPTURED] = 1.0
     trial[State.Q9, 1] = bad
     trial[State.Q21, 1] = np.nan
-    y[State.DIVERGED, 2], y[State.DIVERGED_CLOCK, 2] = 3.0, 11.0  # gone long ago
+    y[State.DIVERGED, 2], y[State.DIVERGED_CLOCK, 2], y[State.DIVERGED_VALUE, 2] = 3.0, 11.0, 7.0  # gone long ago
     uncompiled(accept)(y, trial.copy(), np.full(3, 40.0))
     assert np.array_equal(y[: State.PROBE_CAPTURED, 0], trial[: State.PROBE_CAPTURED, 0])
     assert not np.any(y[: State.PROBE_CAPTURED, 1:])
     assert y[State.DIVERGED].tolist() == [0.0, State.Q9 + 1.0, 3.0]  # the first of the two
     assert y[State.DIVERGED_CLOCK].tolist() == [0.0, 40.0, 11.0]
+    kept = 0.0 if np.isnan(bad) else float(np.clip(bad, -1e308, 1e308))
+    assert y[State.DIVERGED_VALUE].tolist() == [0.0, kept, 7.0]
     assert np.all(y[State.PROBE_CAPTURED] == 1.0)
 
 
@@ -284,6 +286,7 @@ def test_divergence_is_caught_once_told_and_held() -> None:
     row, clock = batch.state[State.DIVERGED, 1] - 1, batch.state[State.DIVERGED_CLOCK, 1]
     assert row == int(row) and 0 <= row < ODE_ROWS
     assert 100 <= clock < 350
+    assert abs(batch.state[State.DIVERGED_VALUE, 1]) >= ABSURD / ODE_ROWS  # the one that was refused, not the one held
     held = batch.state[:, 1].copy()
     assert finite(batch) and np.sum(np.abs(held[:ODE_ROWS])) < ABSURD
     batch.advance([[0.5, 0.0]] * 3, intervals=3)

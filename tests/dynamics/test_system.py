@@ -15,11 +15,15 @@ from ssmash_gym.dynamics.layout import (
     SPEEDS,
     STATION_ROWS,
     STATIONS,
+    TIRE_PAR,
+    TIRE_ROWS,
     Deck,
+    Mode,
     Par,
     Sta,
     State,
     StationKind,
+    Tir,
 )
 from ssmash_gym.dynamics.vectors import rotation
 from ssmash_gym.ship import Fixed, MotionTable, Sinusoid
@@ -85,6 +89,7 @@ def test_how_fast_the_ship_goes_matters_to_the_wind_only(name: str) -> None:
     moving[Deck.V_NS_N : Deck.V_NS_N + 3, 0] += [9.0, -4.0, 1.0]
 
     def rates(rows: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        engine.write_wind(parameters, np.zeros(1), rows)
         return engine.derivative(batch.state, parameters, batch.mode, rows)[0]
 
     vacuum = batch.parameters.copy()
@@ -325,3 +330,18 @@ def test_moments_turn_about_their_own_axes(tricycle: Helicopter) -> None:
     assert 1.0 < change[1, 1] * (y[1, 1] - y[2, 1]) / 2000.0 < 1.4
     assert change[1, 1] == pytest.approx(-change[2, 1] - change[0, 1], rel=1e-7)
     assert 1.0 < -change[0, 2] * (x[0, 2] - x[1, 2]) / 2000.0 < 1.4
+
+
+def test_of_two_tires_on_a_station_the_one_that_has_most_is_told(tricycle: Helicopter) -> None:
+    batch = at_rest(tricycle)
+    assert batch.mode[Mode.TIRES] == 2
+    half = 0.5 * np.deg2rad(1.0)
+    batch.state[State.Q11], batch.state[State.Q12] = np.cos(half), np.sin(half)
+    batch.parameters[Par.STATION + Sta.ROLL_LOCK] = 1.0
+    batch.state[State.TIRE : State.TIRE + 6, 0] = [1e-3, 2e-3, 3e-3, -2e-3, -1e-3, -4e-3]
+    read = batch.evaluate()
+    track = abs(batch.parameters[TIRE_PAR + Tir.Y, 0] - batch.parameters[TIRE_PAR + TIRE_ROWS + Tir.Y, 0])
+    mean, most = (read[f"auxiliary_tire_vertical_deflection{end}"][0] for end in ("", "_largest"))
+    assert most - mean == pytest.approx(0.5 * track * np.sin(2.0 * half), rel=1e-3)
+    for name, value in (("longitudinal_deflection", -2e-3), ("lateral_deflection", 2e-3), ("twist", -4e-3)):
+        assert read[f"auxiliary_tire_{name}_largest"][0] == pytest.approx(value, rel=1e-12)

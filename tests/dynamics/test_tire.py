@@ -282,7 +282,7 @@ def test_slide_is_no_trouble_for_a_multistep_integrator() -> None:
 
 
 @pytest.mark.parametrize("friction", list(Friction))
-def test_forces_stay_within_the_limit_but_for_damping(friction: int) -> None:
+def test_forces_stay_within_the_limit_damping_included(friction: int) -> None:
     n = 3000
     rng = np.random.default_rng(friction)
     state = rng.uniform(-1, 1, (3, n)) * np.array([0.06, 0.1, 0.3])[:, None]
@@ -297,8 +297,27 @@ def test_forces_stay_within_the_limit_but_for_damping(friction: int) -> None:
     damped = evaluate(block(n, mu_rr=0.0, mu_axle=0.0), DZ, **given_)
     most = MAIN["cy"] * np.abs(evaluate(block(n, pull=0.0), DZ, **given_).rates[1])
     assert np.all(np.abs(damped.F_y - bare.F_y) <= most + 1e-9)
+    x, y = damped.F_x / GRIP, damped.F_y / GRIP
+    used = [np.sqrt(x * x + y * y + z * z), np.maximum(np.hypot(x, y), np.abs(z)), np.maximum(np.abs(x), np.abs(y))]
+    np.testing.assert_allclose(used[friction], damped.use, rtol=1e-9)  # at most 1
+    assert np.any(damped.use > bare.use + 0.01) and np.any(damped.use < bare.use - 0.01)  # it helps or hinders
     if friction == Friction.LIMIT_SURFACE:
         np.testing.assert_array_equal(damped.F_y[bare.use == 1.0], bare.F_y[bare.use == 1.0])
+
+
+@pytest.mark.parametrize("friction", list(Friction))
+def test_no_damping_however_large_carries_the_force_past_the_limit(friction: int) -> None:
+    """A locked tire jerked sideways: the force grows with the speed up to the limit, steadily, and stays there."""
+    p = block(cy=1e6, mu_rr=0.0, mu_axle=0.0)
+    share = K["k_y"] * 0.01 / GRIP
+    force, use = [], []
+    for speed in np.linspace(0.0, 0.1, 201):
+        a = evaluate(p, DZ, (0.0, -speed, 0.0), (0.0, 0.01, 0.0), lock=1.0, friction=friction)
+        force.append(a.F_y[0] / GRIP)
+        use.append(a.use[0])
+    assert force[0] == pytest.approx(share) and force[-1] == pytest.approx(1.0)
+    assert np.all(np.diff(force) >= -1e-12) and np.max(np.diff(force)) < 1.01 * 1e6 * 0.0005 / GRIP
+    np.testing.assert_allclose(use, force, rtol=1e-12)
 
 
 def test_twist_takes_side_force_in_the_limit_surface_only() -> None:

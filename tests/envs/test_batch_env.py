@@ -228,3 +228,21 @@ def test_learning_saving_and_evaluating_agree(tmp_path: Path) -> None:
         returns.append(evaluate_policy(agent, seen, n_eval_episodes=6, return_episode_rewards=True))
         assert np.array_equal(seen.obs_rms.mean, mean)
     assert returns[0] == returns[1] and len(returns[0][0]) == 6
+
+
+def test_the_refused_value_is_told_and_the_dump_holds_the_whole_call(tmp_path: Path) -> None:
+    env = make(dump_dir=tmp_path)
+    env.reset(seeds=[0])
+    env.step([[0.5, 0.0]])
+    env.batch.state[State.U9] = 1e9
+    while not env.book.over[0]:
+        result = env.step([[0.5, 0.0]])
+    info = result.info(0)
+    assert info["reason"] == "divergence"
+    value = info["divergence"]["value"]
+    held = env.batch.state[:60, 0]
+    assert value == "nan" or (value not in held and abs(value) > 1e3)
+    dump = np.load(info["divergence"]["dump"])
+    assert np.count_nonzero(dump["commands"]) and dump["clock"] == env.batch.clocks[0]
+    assert json.loads(str(dump["timing"]))["substep_s"] == env.task.substep_s
+    assert np.array_equal(dump["modes"], env.batch.mode)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter, relative_wind, varied, vary
 from ssmash_gym.envs.vector import TraverseVectorEnv
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship import Fixed, write_shipmo
 from ssmash_gym.simulation.parameters import parameter_column
 from ssmash_gym.vehicle import load_helicopter
 
@@ -147,3 +149,81 @@ def test_a_new_seed_discards_what_was_prepared() -> None:
     assert 7 in large.core._nursery._children
     observation, _ = large.reset(seed=[99] * 9, options={"reset_mask": np.arange(9) == 7})
     assert np.array_equal(observation[7], TraverseBatch(1, **arguments).reset(seeds=[99])[0])
+
+
+def test_a_gust_goes_with_the_true_wind() -> None:
+    starter = Starter(load_helicopter("generic_tricycle"), load_task(), load_scenario())
+    draw = flat_draw(wind_from_deg=90.0, wind_gust_mps=3.0, wind_gust_period_s=6.0, wind_gust_phase_deg=30.0)
+    column = starter.column(draw)
+    assert column[Par.GUST : Par.GUST + 3] == pytest.approx([0.0, -3.0, 0.0])
+    assert column[Par.GUST_OMEGA] == pytest.approx(np.pi / 3.0)
+    assert column[Par.GUST_PHASE] == pytest.approx(np.pi / 6.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"claw_delay_s": 0.5}, "claw_delay_s = 0.5"),
+        ({"claw_delay_s": -0.1}, "delay_s"),
+        ({"sensors_delay_s": 0.3}, "sensors_delay_s = 0.3"),
+        ({"sensors_noise": 1.0}, "sensors_noise = 1.0"),
+        ({"start_lateral_m": 0.5}, "start_lateral_m = 0.5"),
+        ({"start_yaw_deg": float("nan")}, "start_yaw_deg = nan"),
+        ({"start_yaw_deg": "5"}, "start_yaw_deg = '5'"),
+        ({"start_yaw_deg": 120.0}, "yaw_deg"),
+        ({"wind_speed_mps": None}, "wind_speed_mps = None"),
+        ({"helicopter_mass_factor": 0.0}, "mass_factor"),
+        ({"motion": 3}, "motion = 3"),
+        ({"motion": {"type": "waves"}}, "type is 'waves'"),
+        ({"motion_seed": -1}, "motion_seed = -1"),
+    ],
+)
+def test_a_draw_that_does_not_fit_is_refused_before_anything_starts(changes: dict[str, Any], told: str) -> None:
+    env = TraverseBatch(1, task=SHORT, scenario="flat")
+    first = env.reset(seeds=[0])
+    record = {**flat_draw().to_dict(), **changes}
+    for given in (record, flat_draw(**changes)):
+        with pytest.raises(ConfigurationError, match=told):
+            env.reset(draws=[given])
+    with pytest.raises(ConfigurationError, match="draw"):
+        env.reset(draws=[5])  # type: ignore[list-item]
+    with pytest.raises(ConfigurationError, match="list of 1"):
+        env.reset(draws=[])
+    assert not env.step([[0.0, 0.0]]).terminated[0]
+    assert np.array_equal(env.reset(seeds=[0]), first)
+
+
+def test_motions_are_tried_at_construction(tmp_path: Path) -> None:
+    sine = {"type": "sinusoid", "dof": "roll", "amplitude": 1.0, "period_s": {"uniform": [0.6, 9.0]}}
+    with pytest.raises(ConfigurationError, match=r"scenario: motion\.period_s"):
+        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": sine})
+    sea = {"type": "irregular", "severity": 1.0, "levels": [1.0], "roll": {"rms": [1.0], "period_s": [2.5]}}
+    with pytest.raises(ConfigurationError, match=r"scenario: motion\.roll\.period_s"):
+        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": sea})
+    gone = {"type": "file", "paths": [str(tmp_path / "gone.csv")]}
+    with pytest.raises(ConfigurationError, match=r"scenario: motion\.paths"):
+        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": gone})
+    path = write_shipmo(tmp_path / "short.csv", Fixed(), 0.1, 12.0)
+    late = {"type": "file", "paths": [str(path)], "start_s": {"uniform": [0.0, 11.0]}}
+    with pytest.raises(ConfigurationError, match=r"scenario: motion\.start_s"):
+        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": late})
+    with pytest.raises(ConfigurationError, match="euler_order"):
+        load_scenario({"base": "flat", "motion": {**gone, "euler_order": "zzz"}})
+    with pytest.raises(ConfigurationError, match="count twice"):
+        load_scenario({"base": "flat", "motion": {**gone, "detrend": False}, "wind": {"ship_speed_mps": 5.0}})
+
+
+def test_the_task_may_not_ask_more_of_the_probe_than_it_bears() -> None:
+    with pytest.raises(ConfigurationError, match="probe_ultimate_kN = 80"):
+        TraverseBatch(1, task={"limits": {"probe_ultimate_kN": 80.0}})
+
+
+def test_time_left_ends_with_the_steps_and_forks_keep_the_observations() -> None:
+    env = TraverseVectorEnv(2, task=SHORT, scenario="training", observation=["time_left", "roll"], max_episode_steps=3)
+    first = env.reset(seed=0)[0]
+    assert first[:, 0] == pytest.approx([0.3 / 60.0] * 2)
+    now = env.step(np.zeros((2, 2)))[0]
+    assert now[:, 0] == pytest.approx([0.2 / 60.0] * 2)
+    fork = env.fork(2)
+    mask = np.array([True, False, False, False])
+    assert np.array_equal(fork.reset(options={"reset_mask": mask})[0][1:], np.repeat(now, 2, axis=0)[1:])

@@ -40,7 +40,7 @@ def reading(
         "task": TASK, "telemetry": Telemetry(state, *tables), "steps": np.array([50]), "counted": np.array([True]),
         "command": np.zeros((1, 2)), "previous": np.zeros((1, 2)), "held_before": np.array([0]),
         "peak_before_N": np.zeros(1),
-        "broken": np.array([False]), "half_spread_m": SPREAD,
+        "broken": np.array([False]), "half_spread_m": SPREAD, "limit_steps": TASK.horizon_steps,
     }  # fmt: skip
     return Reading(**{**fields, **more})
 
@@ -166,3 +166,11 @@ def test_the_goal_must_be_held() -> None:
         assert limits.endings(r, limits.margins(r))[limits.GOAL][0] == held
     assert reading({"probe_x": 7.0}, held_before=np.array([30])).held[0] == 0
     assert reading(at, held_before=np.array([30]), broken=np.array([True])).held[0] == 0
+
+
+def test_a_lost_probe_has_its_own_reason() -> None:
+    lost = reading()
+    lost.telemetry.state[State.PROBE_LOST] = 1.0
+    found = limits.endings(lost, limits.margins(lost))
+    assert found[limits.PROBE_LOST][0] and not found[limits.ULTIMATE][0]
+    assert tuple(found) == limits.REASONS[:-1]

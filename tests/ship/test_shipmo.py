@@ -52,7 +52,7 @@ def test_a_written_record_reads_back_as_the_same_motion(tmp_path: Path, sea: Mot
     path = write_shipmo(tmp_path / name, sea, 0.05, 40.0, rates=rates)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        motion = MotionFile(path=path, rates=rates).realise()
+        motion = MotionFile(path=path, rates=rates, detrend=False).realise()
     assert motion.duration_s == pytest.approx(40.0)
     assert motion.consistent
     assert max(d.share for d in motion.discrepancies) < 1e-4
@@ -108,7 +108,7 @@ def test_file_rates_that_disagree_are_reported_and_the_derivative_is_used(tmp_pa
 
 
 def test_a_baked_record_keeps_its_own_derivatives(tmp_path: Path, sea: Motion) -> None:
-    source = MotionFile(path=write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.1, 30.0))
+    source = MotionFile(path=write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.1, 30.0), detrend=False)
     table = source.bake(20.0, 0.25, start_s=5.0, ramp_s=4.0)
     t, h = 0.25 * np.arange(80) + 0.11, 1e-3  # within the pieces: the third derivative jumps at nodes
     low, mid, high = table.at(t - h), table.at(t), table.at(t + h)
@@ -134,7 +134,7 @@ def test_angles_in_another_sequence_give_the_same_deck(tmp_path: Path, sea: Moti
     np.testing.assert_allclose(rotation(angles, order), R_NS, atol=1e-12)
     table[:, 1:4] = np.degrees(angles)
     np.savetxt(path, table, fmt="%.14g")
-    motion = MotionFile(path=path, euler_order=order).realise()
+    motion = MotionFile(path=path, euler_order=order, detrend=False).realise()
     assert motion.consistent  # body rates do not depend on the sequence
     t = np.linspace(0.5, 19.5, 99)
     np.testing.assert_allclose(motion.signal(t).position[:, 3:], sea.signal(t).position[:, 3:], atol=1e-7)
@@ -155,19 +155,35 @@ class Sailing(Motion):
 def test_mean_speed_stays_unless_detrended(tmp_path: Path) -> None:
     path = write_shipmo(tmp_path / "SHIPMO.INP", Sailing(), 0.05, 40.0)
     t = np.linspace(0.0, 40.0, 201)
-    kept = MotionFile(path=path).realise().signal(t)
+    kept = MotionFile(path=path, detrend=False).realise().signal(t)
     np.testing.assert_allclose(kept.position[:, 0], 9.0 * t, atol=1e-8)
     np.testing.assert_allclose(kept.position[:, 1], np.sin(t), atol=1e-6)
-    clean = MotionFile(path=path, detrend=True).realise()
+    clean = MotionFile(path=path).realise()
     np.testing.assert_allclose(clean.signal(t).position[:, 0], 0.0, atol=1e-7)
     np.testing.assert_allclose(clean.signal(t).rate[:, 0], 0.0, atol=1e-8)
     assert abs(clean.signal(t).position[:, 1].mean()) < 0.01
     np.testing.assert_allclose(clean.signal(t).acceleration, kept.acceleration, atol=1e-12)
 
 
+def test_the_mean_heading_is_taken_off(tmp_path: Path, sea: Motion) -> None:
+    """A record on any mean course gives the same deck: only the axes of N turn with it."""
+    path = write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.05, 40.0)
+    table = np.loadtxt(path)
+    turn = np.radians(130.0)
+    R = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    table[:, 3] += 130.0
+    table[:, 4:7], table[:, 10:13] = table[:, 4:7] @ R.T, table[:, 10:13] @ R.T
+    np.savetxt(tmp_path / "turned.inp", table, fmt="%.14g")
+    straight, turned = (MotionFile(path=p).realise() for p in (path, tmp_path / "turned.inp"))
+    assert turned.consistent and turned.mean[5] == pytest.approx(0.0, abs=1e-12)
+    t = np.linspace(0.5, 39.5, 99)
+    for one, other in zip(straight.signal(t), turned.signal(t), strict=True):
+        np.testing.assert_allclose(other, one, atol=1e-7)
+
+
 def test_a_ramped_record_starts_at_its_mean_speed(tmp_path: Path) -> None:
     path = write_shipmo(tmp_path / "SHIPMO.INP", Sailing(), 0.05, 40.0)
-    table = MotionFile(path=path).bake(30.0, 0.25, ramp_s=5.0, start_s=3.0)
+    table = MotionFile(path=path, detrend=False).bake(30.0, 0.25, ramp_s=5.0, start_s=3.0)
     first = table.at(0.0)
     assert first.rate[0] == pytest.approx(9.0, abs=1e-3)
     np.testing.assert_allclose(first.acceleration, 0.0, atol=1e-9)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import multiprocessing
+
 import numpy as np
 import pytest
 
@@ -315,3 +317,36 @@ def test_evaluate_reads_the_state_as_it_stands(tricycle: Helicopter) -> None:
     assert np.array_equal(telemetry.highs, telemetry.lows)
     assert np.array_equal(batch.state, state) and state.shape == (STATE_ROWS, 2)
     assert telemetry.outputs[Out.DECK_ROLL, 0] != 0.0
+
+
+def test_what_cannot_be_meant_is_refused(tricycle: Helicopter) -> None:
+    with pytest.raises(ConfigurationError, match="prescribe_claw"):
+        Batch(tricycle, 1, modes=Modes(claw="prescribed")).advance()
+    with pytest.raises(ConfigurationError, match="count"):
+        Batch(tricycle, 0)
+    with pytest.raises(ConfigurationError, match="count"):
+        Batch([tricycle, tricycle], 5)
+    with pytest.raises(ValueError, match="twice"):
+        Batch(tricycle, 2).advance(columns=[0, 0])
+    with pytest.raises(ConfigurationError, match="snapshot"):
+        Batch(tricycle, 2).restore(Batch(tricycle, 3).snapshot())
+
+
+def test_the_last_instant_of_a_table_is_the_tables(tricycle: Helicopter) -> None:
+    """The deck at the end of its table is read from the table's end, not from the piece before."""
+    table = Sinusoid(dof="roll", amplitude_deg=5.0, period_s=7.0).bake(2.0, 0.25)
+    batch = Batch(tricycle, 1)
+    batch.set_motion([table])
+    batch.place(0.0, 0.0, 0.0)
+    read = batch.advance(intervals=20)
+    assert read["deck_roll"][0] == pytest.approx(table.nodes[-1, 3], abs=1e-12)
+
+
+def test_a_forked_process_has_its_own_threads(tricycle: Helicopter) -> None:
+    batch = Batch(tricycle, 20, threads=2)
+    batch.advance()
+    context = multiprocessing.get_context("fork")
+    child = context.Process(target=batch.advance)
+    child.start()
+    child.join(60.0)
+    assert child.exitcode == 0

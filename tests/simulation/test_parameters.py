@@ -150,7 +150,7 @@ TIRE = {
 # Rows that other parts of the simulation fill, and rows worked out from several values.
 SCENARIO = set(range(Par.CLAW_Z, Par.RIPPLE_PHASE + 1)) | set(range(Par.WRENCH_H, Par.STATION))
 SWITCHES = {int(Par.PROBE_ACTIVE), *range(Par.LOCK, Par.LOCK + 12)}
-STATION_DERIVED = {Sta.LENGTH, Sta.R2_C, Sta.R2_D, Sta.F_X1}
+STATION_DERIVED = {Sta.LENGTH, Sta.R2_C, Sta.R2_D}
 
 
 def rows_of(helicopter: Helicopter) -> dict[str, int]:

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from ssmash_gym.analysis import rigid_body_oracle as oracle
 from ssmash_gym.dynamics import engine
 from ssmash_gym.dynamics.lane import uncompiled
-from ssmash_gym.dynamics.layout import State
+from ssmash_gym.dynamics.layout import DECK_ROWS, State
 from ssmash_gym.dynamics.vectors import rotation
 
 DATA = Path(__file__).parent / "data"
@@ -57,7 +57,7 @@ def _momenta(case: dict[str, Any], y: np.ndarray, deck: np.ndarray) -> tuple[flo
     """Kinetic energy, linear and angular momentum (about the N origin's moving twin) in N axes, and sum |m v|."""
     rot = uncompiled(rotation)
     R_NS = deck[0:9, 0].reshape(3, 3)
-    w_S, v_S, r_S = deck[9:12, 0], deck[15:18, 0], deck[30:33, 0]
+    w_S, v_S, r_S = deck[9:12, 0], deck[15:18, 0], deck[DECK_ROWS:, 0]
     R_SH = np.array(rot(*y[State.Q11 : State.Q11 + 4])).reshape(3, 3)
     r_H, v_H, w_H = y[State.Q8 : State.Q8 + 3], y[State.U7 : State.U7 + 3], y[State.U10 : State.U10 + 3]
     w_NH_H = R_SH.T @ w_S + w_H
@@ -104,7 +104,7 @@ def test_energy_and_momentum_whatever_the_ship_does(case: dict[str, Any]) -> Non
 
     def rhs(t: float, y: np.ndarray) -> np.ndarray:
         full[:34, 0] = y
-        return engine.derivative(full, parameters, mode, deck(t)[:30])[0][:34, 0]
+        return engine.derivative(full, parameters, mode, deck(t)[:DECK_ROWS])[0][:34, 0]
 
     solution = solve_ivp(rhs, (0.0, 5.0), full[:34, 0].copy(), "DOP853", rtol=1e-12, atol=1e-13)
     e0, p0, h0, scale = _momenta(case, solution.y[:, 0], deck(0.0))
