@@ -13,10 +13,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ssmash_gym.dynamics import tire_properties
-from ssmash_gym.dynamics.lane import WIDTH, kernel, load, store, uncompiled
+from ssmash_gym.dynamics.lane import WIDTH, uncompiled
 from ssmash_gym.dynamics.layout import TIRE_ROWS, Contact, Friction, Tir, TireModel
-from ssmash_gym.dynamics.tire import tire
-from ssmash_gym.dynamics.vectors import load3, store3
+from tests.dynamics.tire_rig import many
 
 MAIN = {
     "diameter": 0.6604, "width": 0.254, "axle_radius": 0.03, "p_o": 9.65e5, "p_r": 9.65e5, "p_abs": 1.066e6,
@@ -26,23 +25,6 @@ MAIN = {
 }  # fmt: skip
 LOAD = 30e3  # vertical force of most tests [N]
 GRIP = MAIN["mu"] * LOAD
-
-
-@kernel
-def many(p: Any, x: Any, out: Any, model: int, friction: int, contact: int) -> None:
-    """`tire` on the inputs in the 17 rows of `x`, its 17 results to `out`."""
-    F, M, rates, reads = tire(
-        p, 0, model, friction, contact, load3(x, 0), load(x, 3), load3(x, 4), load3(x, 7), load3(x, 10),
-        load(x, 13), load(x, 14), load(x, 15), load(x, 16),
-    )  # fmt: skip
-    store3(out, 0, F)
-    store3(out, 3, M)
-    store3(out, 6, rates)
-    F_z, F_y, F_x, dz, d_y, d_x, psi, use = reads
-    store3(out, 9, (F_z, F_y, F_x))
-    store3(out, 12, (dz, d_y, d_x))
-    store(out, 15, psi)
-    store(out, 16, use)
 
 
 plain = uncompiled(many)

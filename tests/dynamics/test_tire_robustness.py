@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
 import pytest
 
-from ssmash_gym.dynamics.lane import WIDTH, kernel, load, store, uncompiled
+from ssmash_gym.dynamics.lane import WIDTH, uncompiled
 from ssmash_gym.dynamics.layout import TIRE_ROWS, Contact, Friction, Tir, TireModel
-from ssmash_gym.dynamics.tire import tire
-from ssmash_gym.dynamics.vectors import load3, store3
+from tests.dynamics.tire_rig import many
 
 MAIN = {
     "diameter": 0.56, "width": 0.17, "axle_radius": 0.025, "p_o": 1.0e6, "p_r": 1.0e6, "p_abs": 1.1e6,
@@ -23,23 +21,6 @@ MODES = [tuple(map(int, mode)) for mode in itertools.product(TireModel, Friction
 # rows of the inputs x and of the results
 R, HEIGHT, V, W, AXLE, STATE, LOCK = slice(0, 3), 3, slice(4, 7), slice(7, 10), slice(10, 13), slice(13, 16), 16
 FORCE, MOMENT, F_Z, USE = slice(0, 3), slice(3, 6), 9, 16
-
-
-@kernel
-def many(p: Any, x: Any, out: Any, model: int, friction: int, contact: int) -> None:
-    """`tire` on the inputs in the 17 rows of `x`, its 17 results to `out`."""
-    F, M, rates, reads = tire(
-        p, 0, model, friction, contact, load3(x, 0), load(x, 3), load3(x, 4), load3(x, 7), load3(x, 10),
-        load(x, 13), load(x, 14), load(x, 15), load(x, 16),
-    )  # fmt: skip
-    store3(out, 0, F)
-    store3(out, 3, M)
-    store3(out, 6, rates)
-    F_z, F_y, F_x, dz, d_y, d_x, psi, use = reads
-    store3(out, 9, (F_z, F_y, F_x))
-    store3(out, 12, (dz, d_y, d_x))
-    store(out, 15, psi)
-    store(out, 16, use)
 
 
 plain = uncompiled(many)
