@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.envs.batch_env import BatchSnapshot, TraverseBatch
+from ssmash_gym.envs.batch_env import ACTIONS, BatchSnapshot, TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.spaces import action_space, checked_options, checked_render_mode, metadata, observation_space
@@ -123,7 +123,10 @@ class TraverseEnv(gymnasium.Env[Any, Any]):
             ValueError: The command is not finite or has the wrong shape.
             RuntimeError: The episode is over.
         """
-        result = self.core.step(np.asarray(action)[None])
+        command = np.asarray(action)
+        if command.shape != (ACTIONS,):
+            raise ValueError(f"action: shape {command.shape}, must be ({ACTIONS},)")
+        result = self.core.step(command[None])
         if self._film is not None:
             self._film.note(result)
         self._show()

@@ -79,12 +79,13 @@ def test_load_costs_the_square_of_the_excess_then_linearly(load: float, shaped: 
 
 
 def test_only_a_new_peak_costs_and_its_parts_add_up() -> None:
-    lower = reading(highs={"probe_in_plane": 9e3}, peak_before_N=np.array([11e3]))
+    heavy = load_task({"reward": {"peak": 5.0}})
+    lower = reading(task=heavy, highs={"probe_in_plane": 9e3}, peak_before_N=np.array([11e3]))
     assert terms(lower)["peak"] == 0.0
-    first = terms(reading(highs={"probe_in_plane": 9e3}))["peak"]
-    second = terms(reading(highs={"probe_in_plane": 15e3}, peak_before_N=np.array([9e3])))["peak"]
-    assert first + second == pytest.approx(-TASK.reward.peak * (15.0 / 6.0 - 1.0))
-    early = reading(highs={"probe_in_plane": 9e3}, counted=np.array([False]))
+    first = terms(reading(task=heavy, highs={"probe_in_plane": 9e3}))["peak"]
+    second = terms(reading(task=heavy, highs={"probe_in_plane": 15e3}, peak_before_N=np.array([9e3])))["peak"]
+    assert first + second == pytest.approx(-5.0 * (15.0 / 6.0 - 1.0))
+    early = reading(task=heavy, highs={"probe_in_plane": 9e3}, counted=np.array([False]))
     assert terms(early)["peak"] == 0.0
 
 
