@@ -16,7 +16,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from rich.console import Console
 from rich.table import Table
@@ -77,7 +76,7 @@ def machine() -> dict[str, Any]:
     libraries = ("numba", "numpy", "mujoco", "ssmash_gym")
     return {
         "processor": platform.processor() or platform.machine(),
-        "llvm_target": numba.core.codegen.get_host_cpu_features().count("+"),
+        "widest_lane": engine.WIDE,
         "cores": engine.available_threads(),
         "python": platform.python_version(),
         "versions": {name: version(name) for name in libraries},
