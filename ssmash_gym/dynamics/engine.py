@@ -37,6 +37,7 @@ def lane_width(n: int) -> int:
 
 
 @cache
+@cache
 def _kernel(function: Any, width: int) -> Any:
     """A kernel on lanes of this width; compiled, or loaded from disk, when it is first called."""
     kernel = of_width(function, width)

@@ -278,23 +278,25 @@ class Batch:
             raise ConfigurationError("modes.claw = 'prescribed': give the claw's history by prescribe_claw first")
         chosen = self.columns(columns)
         values = np.zeros((chosen.size, 2)) if command is None else np.asarray(command, dtype=np.float64)
-        if values.shape != (chosen.size, 2) or not np.all(np.abs(values) <= 1.0):
+        if values.shape != (chosen.size, 2) or not (np.abs(values) <= 1.0).all():
             raise ValueError(f"claw command: must be ({chosen.size}, 2) numbers within -1 to 1, got {values!r}")
         if intervals < 1:
             raise ValueError(f"intervals: must be at least 1, got {intervals}")
-        late = self.clocks[chosen] + self.timing.substeps * intervals > self._ends[chosen]
-        if np.any(late):
+        pick = slice(None) if columns is None else chosen  # a slice spares the copies of a whole batch
+        substeps = self.timing.substeps
+        late = self.clocks[pick] + substeps * intervals > self._ends[pick]
+        if late.any():
             k = int(chosen[np.argmax(late)])
             end = self._ends[k] * self.timing.substep_s
             raise ValueError(f"the deck motion of helicopter {k} ends at {end:g} s; bake a longer table")
         parts = self._parts(values.T, chosen, intervals)
         highs, lows = [], []
         for part in parts:
-            self._commands[2:, chosen] = self._commands[:-2, chosen]
-            self._commands[:2, chosen] = values.T
+            self._commands[2:, pick] = self._commands[:-2, pick]
+            self._commands[:2, pick] = values.T
             engine.advance(
                 self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
-                chosen, part * self.timing.substeps, self.timing.substep_s, self.timing.substeps_per_node,
+                chosen, part * substeps, self.timing.substep_s, self.timing.substeps_per_node,
                 self._outputs, self._highs, self._lows, self.threads,
             )  # fmt: skip
             if len(parts) > 1:
