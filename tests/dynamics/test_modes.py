@@ -9,47 +9,22 @@ import pytest
 
 from ssmash_gym.dynamics.layout import (
     SPEEDS,
-    STATION_ROWS,
-    STATIONS,
     Par,
-    Sta,
     State,
 )
 from ssmash_gym.ship import Sinusoid
 from ssmash_gym.simulation.batch import Batch, ClawLimits
 from ssmash_gym.simulation.parameters import Modes
 from ssmash_gym.vehicle import Helicopter, load_helicopter, with_changes
+from tests.dynamics.on_deck import PROMPT, WHEELS, at_rest, brake, loads, weight
 
 HELICOPTERS = ("generic_tricycle", "seahawk_like")
-WHEELS = ("auxiliary", "right", "left")
 LINEAR = {"type": "linear_strut", "stiffness_Npm": 2.1e5, "damping_Nspm": 1.3e4}
-PROMPT = ClawLimits(delay_s=0.0)
 
 
 @pytest.fixture(scope="module")
 def tricycle() -> Helicopter:
     return load_helicopter("generic_tricycle")
-
-
-def at_rest(helicopter: Helicopter, n: int = 1, **keys: Any) -> Batch:
-    batch = Batch(helicopter, n, claw=PROMPT, **keys)
-    assert np.all(batch.place(0.0, 0.0, 0.0) < 1e-6)
-    return batch
-
-
-def brake(batch: Batch, stations: tuple[int, ...] = (0, 1, 2)) -> None:
-    for i in stations:
-        batch.parameters[Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK] = 1.0
-
-
-def loads(batch: Batch) -> np.ndarray:
-    """Vertical tire loads of the three stations [N], (3, N)."""
-    return np.array([batch.telemetry[f"{wheel}_vertical_load"] for wheel in WHEELS])
-
-
-def weight(batch: Batch) -> np.ndarray:
-    masses = [Par.MASS] + [Par.STATION + i * STATION_ROWS + Sta.MASS for i in range(STATIONS)]
-    return np.sum(batch.parameters[masses], axis=0) * batch.parameters[Par.GRAVITY]
 
 
 # --- every choice of model -----------------------------------------------------------------------------------------
@@ -78,7 +53,7 @@ def test_every_mode_runs_and_is_a_choice(name: str) -> None:
     default = final_state(helicopter)
     others = [
         Modes(contact="centre"), Modes(friction="friction_circle"), Modes(friction="independent"),
-        Modes(probe_law="ellipse"), Modes(probe_law="printed"),
+        Modes(probe_law="ellipse"), Modes(probe_law="printed"), Modes(claw="prescribed"),
     ]  # fmt: skip
     found = [default] + [final_state(helicopter, modes) for modes in others]
     for i, a in enumerate(found):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -27,38 +25,16 @@ from ssmash_gym.dynamics.layout import (
 )
 from ssmash_gym.dynamics.vectors import rotation
 from ssmash_gym.ship import Fixed, MotionTable, Sinusoid
-from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
+from ssmash_gym.simulation.batch import Batch, Timing
 from ssmash_gym.vehicle import Helicopter, load_helicopter, with_changes
+from tests.dynamics.on_deck import PROMPT, WHEELS, at_rest, brake, loads, weight
 
 HELICOPTERS = ("generic_tricycle", "seahawk_like")
-WHEELS = ("auxiliary", "right", "left")
-PROMPT = ClawLimits(delay_s=0.0)
 
 
 @pytest.fixture(scope="module")
 def tricycle() -> Helicopter:
     return load_helicopter("generic_tricycle")
-
-
-def at_rest(helicopter: Helicopter, n: int = 1, **keys: Any) -> Batch:
-    batch = Batch(helicopter, n, claw=PROMPT, **keys)
-    assert np.all(batch.place(0.0, 0.0, 0.0) < 1e-6)
-    return batch
-
-
-def brake(batch: Batch, stations: tuple[int, ...] = (0, 1, 2)) -> None:
-    for i in stations:
-        batch.parameters[Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK] = 1.0
-
-
-def loads(batch: Batch) -> np.ndarray:
-    """Vertical tire loads of the three stations [N], (3, N)."""
-    return np.array([batch.telemetry[f"{wheel}_vertical_load"] for wheel in WHEELS])
-
-
-def weight(batch: Batch) -> np.ndarray:
-    masses = [Par.MASS] + [Par.STATION + i * STATION_ROWS + Sta.MASS for i in range(STATIONS)]
-    return np.sum(batch.parameters[masses], axis=0) * batch.parameters[Par.GRAVITY]
 
 
 # --- invariance and symmetry -------------------------------------------------------------------------------------

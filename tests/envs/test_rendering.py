@@ -25,6 +25,7 @@ from ssmash_gym.envs.rendering import (
 from ssmash_gym.envs.rendering.hud import Layout
 from ssmash_gym.envs.rendering.renderer import view_camera
 from ssmash_gym.envs.rendering.traces import round_step
+from tests.envs.scenes import far
 
 pygame = pytest.importorskip("pygame")
 
@@ -232,18 +233,6 @@ def test_grid_lines_are_few_and_round(top):
     step = round_step(top)
     assert 2 <= top / step < 4.5
     assert f"{step:.0e}"[0] in "125" or step / 10 ** np.floor(np.log10(step)) == pytest.approx(2.5)
-
-
-def far(scene: Scene, where: np.ndarray) -> Scene:
-    wheels = scene.wheels
-    shift = {name: getattr(wheels, name) + where for name in ("r_ST_S", "r_SO_S", "r_SW_S")}
-    return replace(
-        scene,
-        r_SH_S=scene.r_SH_S + where,
-        r_SA_S=scene.r_SA_S + where,
-        r_SB_S=scene.r_SB_S + where,
-        wheels=replace(wheels, **shift),
-    )
 
 
 @pytest.mark.filterwarnings("error")

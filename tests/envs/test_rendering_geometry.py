@@ -35,20 +35,9 @@ from ssmash_gym.envs.rendering.geometry import airframe_mesh, bases, claw_mesh, 
 from ssmash_gym.envs.rendering.painter import _wheel_meshes
 from ssmash_gym.envs.rendering.renderer import view_camera
 from ssmash_gym.envs.rendering.scenery import DECK_ABOVE_SEA, backdrop, hull
+from tests.envs.scenes import far
 
 pygame = pytest.importorskip("pygame")
-
-
-def far(scene: Scene, where: np.ndarray) -> Scene:
-    wheels = scene.wheels
-    shift = {name: getattr(wheels, name) + where for name in ("r_ST_S", "r_SO_S", "r_SW_S")}
-    return replace(
-        scene,
-        r_SH_S=scene.r_SH_S + where,
-        r_SA_S=scene.r_SA_S + where,
-        r_SB_S=scene.r_SB_S + where,
-        wheels=replace(wheels, **shift),
-    )
 
 
 # --- projection and meshes ----------------------------------------------------------------------------------
