@@ -100,6 +100,7 @@ def measure(quick: bool) -> dict[str, Any]:
             "threads_over_processes": round(np.median(threads) / np.median(processes), 3),
         },
         "start_s": starts.start_times_s(),
+        "training_episode_ms": starts.sea_costs_ms(),
         "peak_memory_mb_1024": starts.peak_memory_mb(1024),
     }
 
@@ -122,6 +123,10 @@ def show(figures: dict[str, Any], console: Console) -> None:
     table.add_row("two threads : two processes, simulated s per wall s", two, "")
     table.add_row("cold start to first step, s", f"{figures['start_s']['cold']:.1f}", "under 25")
     table.add_row("cached start to first step, s", f"{figures['start_s']['cached']:.1f}", "under 3")
+    costs = figures["training_episode_ms"]
+    sea = costs["draw"] + costs["deck"] + costs["gusts"]
+    text = f"{costs['episode']:.0f}, start {costs['start']:.0f}, sea {sea:.1f}: {100 * sea / costs['episode']:.0f} %"
+    table.add_row("a training episode of 40 s, CPU ms; its start; its sea and wind and their share", text, "")
     table.add_row("peak memory, 1024 helicopters, MB", f"{figures['peak_memory_mb_1024']:.0f}", "under 600")
     console.print(table)
 

@@ -9,6 +9,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from typing import Final
+
+INTERRUPTED: Final = 130  # what shells report after Ctrl-C
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,9 @@ VERBS = {
     "train": Verb("Train an agent from one YAML file; resume a run", "ssmash_gym.agents.training:train"),
     "evaluate": Verb("Compare an agent with the baselines on frozen seeds", "ssmash_gym.agents.evaluation:evaluate"),
     "simulate": Verb("Run one helicopter on a moving deck and record it", "ssmash_gym.simulate:simulate"),
+    "ship-motion": Verb(
+        "Write a ship's motion in a seaway: record, figures, picture", "ssmash_gym.ship_motion:ship_motion"
+    ),
     "info": Verb("Show versions, the kernel cache and the catalogue", "ssmash_gym.info:info"),
 }
 
@@ -46,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: Words after `ssmash`; those of the command line by default.
 
     Returns:
-        The exit status: 0 done, 1 the user's mistake told in one sentence, 2 no such verb.
+        The exit status: 0 done, 1 the user's mistake told in one sentence, 2 no such verb, 130 stopped by Ctrl-C.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if not words or words[0] in ("-h", "--help", "help"):
@@ -72,4 +78,7 @@ def _run(name: str, rest: Sequence[str]) -> int:
     except (ConfigurationError, OSError, ImportError) as mistake:
         print(f"ssmash {name}: {mistake}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"ssmash {name}: stopped.", file=sys.stderr)
+        return INTERRUPTED
     return 0

@@ -18,7 +18,7 @@ EXTRAS = {
     "render": ("pygame-ce", "imageio-ffmpeg", "moviepy"),
     "plot": ("matplotlib",),
 }
-CATALOGUE = ("helicopters", "scenarios", "tasks", "training")
+CATALOGUE = ("helicopters", "ships", "scenarios", "tasks", "training")
 
 
 def installed(name: str) -> str:

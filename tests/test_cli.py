@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ssmash_gym.cli import main
+from ssmash_gym.cli import INTERRUPTED, main
+from ssmash_gym.ship import parse_motion, write_shipmo
 from ssmash_gym.simulation.recording import read_recording
 
 
@@ -28,6 +29,44 @@ def test_simulate_records_the_traverse_with_units_and_configuration(tmp_path: Pa
     np.testing.assert_allclose(
         claw[-1] - claw[0], 0.15 * (4.0 - 0.1 - 0.25), atol=0.01
     )  # delay, then 0.3 m/s2 to 0.15 m/s
+
+
+def test_simulate_in_a_seaway_records_the_whole_section_and_flags_large_rolling(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    motion, out = tmp_path / "sea.yaml", tmp_path / "run.parquet"
+    motion.write_text("type: seaway\nhs_m: 7.0\ntp_s: 11.5\nheading_deg: 90.0\nspeed_kn: 0.0\ncomponents: 48\n")
+    words = ["--motion", str(motion), "--out", str(out), "--duration-s", "2", "--lead-in-s", "1", "--seed", "3"]
+    assert main(["simulate", *words]) == 0
+    assert "outside validity: roll RMS" in capsys.readouterr().out
+    configuration = read_recording(out)[1]["configuration"]
+    assert configuration["motion"]["ship"] == "frigate"
+    assert configuration["outside_validity"].startswith("roll RMS")
+    table, _ = read_recording(out)
+    deck = parse_motion(configuration["motion"]).realise(np.random.default_rng(configuration["seed"]))
+    roll = deck.signal([2.0]).position[0, 3]  # after the lead-in the deck moves as the section says
+    assert table["deck_roll"].to_numpy()[-1] == pytest.approx(roll, abs=1e-6)
+
+
+def test_simulate_prints_the_check_of_a_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sea = parse_motion({"type": "irregular", "roll": {"rms_deg": 4.0, "period_s": 9.0}})
+    write_shipmo(tmp_path / "deck.csv", sea.realise(np.random.default_rng(1)), 0.05, 10.0)
+    (tmp_path / "deck.yaml").write_text("motion: {type: file, path: deck.csv}\n")
+    out = tmp_path / "run.parquet"
+    words = ["--motion", str(tmp_path / "deck.yaml"), "--out", str(out), "--duration-s", "2", "--lead-in-s", "1"]
+    assert main(["simulate", *words]) == 0
+    shown = capsys.readouterr()
+    assert "roll rate: RMS difference" in shown.out
+    assert not shown.err
+
+
+def test_a_run_that_is_stopped_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def stopped() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ssmash_gym.info.info", stopped)
+    assert main(["info"]) == INTERRUPTED
+    assert capsys.readouterr().err == "ssmash info: stopped.\n"
 
 
 @pytest.mark.parametrize(
@@ -53,5 +92,5 @@ def test_a_mistake_costs_one_sentence_and_nothing_is_written(
 def test_info_lists_versions_cache_and_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info"]) == 0
     shown = capsys.readouterr().out
-    for word in ("numba", "extra train", "kernel cache", "generic_tricycle"):
+    for word in ("numba", "extra train", "kernel cache", "generic_tricycle", "frigate"):
         assert word in shown

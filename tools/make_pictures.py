@@ -19,7 +19,7 @@ SEED = 11
 
 
 def main() -> None:
-    env = gym.make("ssmash/Traverse-v0", render_mode="rgb_array", scenario="sea_state_5_like")
+    env = gym.make("ssmash/Traverse-v0", render_mode="rgb_array", scenario="ss5")
     core = env.unwrapped
     policy = BASELINES["yield"](core.core.task)
     policy.reset(1)

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+from ssmash_gym.dynamics.deck import quintic
 from ssmash_gym.dynamics.lane import kernel, load, sqrt
 from ssmash_gym.dynamics.layout import Deck, Par
-from ssmash_gym.dynamics.maths import sin
 from ssmash_gym.dynamics.vectors import Matrix, Vector, add, apply_t, dot, load3, scale, store3, sub
 
 
 @kernel
-def place_wind(p: Any, gusty: int, time: Any, d: Any) -> None:
-    """Wind rows of `d` at `time` [s] since the deck-motion table's start: the mean, with `gusty` its gust added."""
+def place_wind(p: Any, gusty: int, c: Any, t: Any, d: Any) -> None:
+    """Wind rows of `d`: the mean and, with `gusty`, the gust along its direction.
+
+    `c` holds the gust speed's quintic piece [m/s] and `t` is the time [s] since the piece's first node; without
+    `gusty` neither is read.
+    """
     mean = load3(p, Par.WIND)
     if gusty:
-        swing = sin(load(p, Par.GUST_OMEGA) * time + load(p, Par.GUST_PHASE))
-        store3(d, Deck.WIND, add(mean, scale(swing, load3(p, Par.GUST))))
+        speed = quintic(c, 0, t)[0]
+        store3(d, Deck.WIND, add(mean, scale(speed, load3(p, Par.GUST))))
     else:
         store3(d, Deck.WIND, mean)
 

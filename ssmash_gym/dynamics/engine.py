@@ -16,11 +16,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.dynamics import stepper
+from ssmash_gym.dynamics import prescribed, stepper
 from ssmash_gym.dynamics.aero import place_wind
 from ssmash_gym.dynamics.cache import enable_kernel_cache
 from ssmash_gym.dynamics.channels import OUTPUT_ROWS
 from ssmash_gym.dynamics.compiler import CACHE_LINE, has_wide_vectors
+from ssmash_gym.dynamics.deck import gather_piece
 from ssmash_gym.dynamics.lane import WIDTH, of_width, uncompiled
 from ssmash_gym.dynamics.layout import DECK_ROWS, ODE_ROWS, Par
 
@@ -67,6 +68,7 @@ def advance(
     mode: NDArray[np.int64],
     nodes: Array,
     claw_nodes: Array,
+    gust_nodes: Array,
     clocks: NDArray[np.int64],
     columns: NDArray[np.int64],
     substeps: int,
@@ -86,6 +88,7 @@ def advance(
         mode: Integers of the batch, `layout.Mode`, (MODES,).
         nodes: Deck motion, (N, nodes, 18).
         claw_nodes: Prescribed claw, (N, nodes, 9); ignored when the claw is commanded.
+        gust_nodes: Gust speed [m/s] and its two rates, (N, nodes, 3); ignored where no column has a gust (`Par.GUST`).
         clocks: Substeps since each table's start, (N,); advanced in place.
         columns: Helicopters to advance.
         substeps: How many.
@@ -106,8 +109,8 @@ def advance(
     def run(first: int, last: int) -> None:
         room, lanes = _workspace(stepper.advance_room(parameters.shape[0], commands.shape[0]), width)
         kernel(
-            state, parameters, commands, mode, nodes, claw_nodes, clocks, columns, first, last, history, substeps,
-            dt, substeps_per_node, ripple, gusty, outputs, highs, lows, room, lanes,
+            state, parameters, commands, mode, nodes, claw_nodes, gust_nodes, clocks, columns, first, last, history,
+            substeps, dt, substeps_per_node, ripple, gusty, outputs, highs, lows, room, lanes,
         )  # fmt: skip
 
     workers = min(threads, blocks)
@@ -160,11 +163,29 @@ def deck_rows(nodes: Array, time_s: float, spacing_s: float) -> Array:
     """`Deck` rows (DECK_ROWS, N) of every helicopter's table at one time; claw and wind are left zero."""
     decks = np.zeros((DECK_ROWS, nodes.shape[0]))
     piece = min(int(time_s / spacing_s), nodes.shape[1] - 2)
-    room, lanes = _workspace(stepper.DECK_ROOM, WIDTH)
-    _kernel(stepper.deck_columns, WIDTH)(nodes, piece, time_s - piece * spacing_s, spacing_s, decks, room, lanes)
+    room, lanes = _workspace(prescribed.DECK_ROOM, WIDTH)
+    _kernel(prescribed.deck_columns, WIDTH)(nodes, piece, time_s - piece * spacing_s, spacing_s, decks, room, lanes)
     return decks
 
 
-def write_wind(parameters: Array, time_s: Array, decks: Array) -> None:
-    """Wind rows of `decks` (DECK_ROWS, N), gust included, at the columns' times (N,) [s] since their tables' start."""
-    uncompiled(place_wind)(parameters, 1, time_s, decks)
+def write_wind(
+    parameters: Array, gust_nodes: Array, pieces: NDArray[np.int64], since_s: Array, spacing_s: float, decks: Array
+) -> None:
+    """Wind rows of decks, gusts included.
+
+    Args:
+        parameters: (PARAMETER_ROWS, N).
+        gust_nodes: Gust speed [m/s] and its two rates, (N, nodes, 3).
+        pieces: Node that each column has last passed, (N,); the last piece goes on.
+        since_s: Time since that node [s], (N,).
+        spacing_s: Time between nodes [s].
+        decks: Written: rows `Deck.WIND`, (DECK_ROWS, N).
+    """
+    gusty = int(parameters[_GUST].any())
+    c = np.zeros((prescribed.GUST_PIECES, pieces.size))
+    if gusty:
+        held = np.minimum(pieces, gust_nodes.shape[1] - 2)
+        uncompiled(gather_piece)(
+            gust_nodes, np.arange(pieces.size), held, prescribed.GUST_CHANNELS, spacing_s, c, slice(None)
+        )
+    uncompiled(place_wind)(parameters, gusty, c, since_s, decks)

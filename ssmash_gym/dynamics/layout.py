@@ -163,10 +163,8 @@ class Par(IntEnum):
     LOCK = 53  # 12 rows: 1 holds the speed u7..u18
     WRENCH_H = 65  # further force [N] and moment [N m] at the helicopter's c.g., H axes, 6 rows
     WRENCH_W = 71  # the same for the three carriages, W axes, 3 x 6 rows
-    GUST = 89  # amplitude of a sinusoidal gust on the mean wind, N axes, 3 rows [m/s]
-    GUST_OMEGA = 92  # [rad/s]
-    GUST_PHASE = 93  # at the start of the deck-motion table [rad]
-    STATION = 94  # 3 x STATION_ROWS
+    GUST = 89  # direction that the table's gust speed takes, N axes, 3 rows: a unit vector, or zero for no gust
+    STATION = 92  # 3 x STATION_ROWS
 
 
 class Sta(IntEnum):

@@ -54,7 +54,8 @@ class Problem:
     Attributes:
         state: (STATE_ROWS,); parameters: (PARAMETER_ROWS,); mode: (MODES,); nodes: (nodes, 18) deck motion;
         claw_nodes: (nodes, 9), used when the claw is prescribed; commands: (intervals, 2) normalised; substeps of
-        `dt` in an interval; substeps_per_node; clock: substeps since the start of the tables.
+        `dt` in an interval; substeps_per_node; clock: substeps since the start of the tables; gust_nodes: (nodes, 3)
+        gust speed [m/s] and its two rates, None for no gust.
     """
 
     state: Array
@@ -67,6 +68,7 @@ class Problem:
     substeps: int
     substeps_per_node: int
     clock: int = 0
+    gust_nodes: Array | None = None
 
 
 class _Claw:
@@ -132,11 +134,13 @@ def integrate(problem: Problem, method: Method = "DOP853", *, rtol: float = 1e-9
     full = problem.state[:, None].copy()
     parameters = problem.parameters[:, None]
     start = problem.clock * problem.dt
+    gusts = np.zeros((1, 2, 3)) if problem.gust_nodes is None else problem.gust_nodes[None]
 
     def decks(t: float) -> Array:
         deck = engine.deck_rows(problem.nodes[None], start + t, spacing)
         claw.write(t, deck)
-        engine.write_wind(parameters, np.array([start + t]), deck)
+        piece = min(int((start + t) / spacing), gusts.shape[1] - 2)
+        engine.write_wind(parameters, gusts, np.array([piece]), np.array([start + t - piece * spacing]), spacing, deck)
         return deck
 
     def rhs(t: float, y: Array) -> Array:

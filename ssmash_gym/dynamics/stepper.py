@@ -10,10 +10,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ssmash_gym.dynamics.aero import place_wind
 from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
-from ssmash_gym.dynamics.claw import advance_claw, place_claw
-from ssmash_gym.dynamics.deck import COEFFICIENTS, deck_kinematics, gather_piece, prescribed_claw
+from ssmash_gym.dynamics.claw import advance_claw
 from ssmash_gym.dynamics.lane import any_lane, fabs, kernel, load, maximum, minimum, splat, sqrt, store, where
 from ssmash_gym.dynamics.layout import (
     DECK_ROWS,
@@ -22,10 +20,15 @@ from ssmash_gym.dynamics.layout import (
     STATION_COORDINATES,
     STATIONS,
     WORK_ROWS,
-    ClawDrive,
-    Deck,
     Mode,
     State,
+)
+from ssmash_gym.dynamics.prescribed import (
+    CLAW_PIECES,
+    DECK_PIECES,
+    GUST_PIECES,
+    gather_pieces,
+    prescribe,
 )
 from ssmash_gym.dynamics.probe import capture
 from ssmash_gym.dynamics.system import attitude_outputs, rates
@@ -34,8 +37,6 @@ GAMMA = 1.0 - math.sqrt(0.5)
 ABSURD = 1.0e6  # sum of the magnitudes of all integrated rows beyond which a state counts as diverged
 FAR = math.inf
 LARGEST = 1.0e308  # bound of the refused value that is kept
-DECK_CHANNELS = 6
-CLAW_CHANNELS = 3
 
 
 @kernel
@@ -146,35 +147,14 @@ def start_second_stage(y: Any, first: Any, stage: Any, h: float) -> None:
 
 
 @kernel
-def gather_pieces(
-    nodes: Any, claw_nodes: Any, columns: Any, clock: Any, spn: int, claw: int, c: Any, cc: Any, tau: Any, dt: float
-) -> None:
-    """Refresh the polynomial pieces of the lanes that have just passed a node, and each lane's time since its node."""
-    spacing = spn * dt
-    for lane in range(columns.shape[0]):
-        since = clock[lane] % spn
-        tau[0, lane] = since * dt
-        tau[1, lane] = clock[lane] * dt
-        tau[2, lane] = float(clock[lane])
-        if since == 0 or tau[3, lane] < 0.0:
-            piece = clock[lane] // spn
-            last = nodes.shape[1] - 2
-            gather_piece(nodes, columns[lane], min(piece, last), DECK_CHANNELS, spacing, c, lane)
-            if claw == ClawDrive.PRESCRIBED:
-                last = claw_nodes.shape[1] - 2
-                gather_piece(claw_nodes, columns[lane], min(piece, last), CLAW_CHANNELS, spacing, cc, lane)
-            tau[3, lane] = 1.0
-
-
-@kernel
-def prescribe(y: Any, p: Any, mode: Any, c: Any, cc: Any, ripple: int, gusty: int, t: Any, time: Any, d: Any) -> None:
-    """Deck, wind and claw at one instant: `t` since the node, `time` since the start of the table."""
-    deck_kinematics(c, t, d)
-    place_wind(p, gusty, time, d)
-    if mode[Mode.CLAW] == ClawDrive.PRESCRIBED:
-        prescribed_claw(cc, t, d)
-    else:
-        place_claw(y, p, ripple, time, d)
+def start_block(high: Any, low: Any, tau: Any) -> None:
+    """No piece has been gathered yet, and no extreme met."""
+    for lane in range(tau.shape[1]):
+        tau[3, lane] = -1.0
+    for k in range(OUTPUT_ROWS):
+        for lane in range(tau.shape[1]):
+            high[k, lane] = -FAR
+            low[k, lane] = FAR
 
 
 @kernel
@@ -185,6 +165,7 @@ def advance_block(
     mode: Any,
     nodes: Any,
     claw_nodes: Any,
+    gust_nodes: Any,
     columns: Any,
     clock: Any,
     history: int,
@@ -208,14 +189,10 @@ def advance_block(
     stage, rest = rest[0:STATE_ROWS], rest[STATE_ROWS:]
     d, rest = rest[0:DECK_ROWS], rest[DECK_ROWS:]
     w, rest = rest[0:WORK_ROWS], rest[WORK_ROWS:]
-    c, rest = rest[0 : DECK_CHANNELS * COEFFICIENTS], rest[DECK_CHANNELS * COEFFICIENTS :]
-    cc, tau = rest[0 : CLAW_CHANNELS * COEFFICIENTS], rest[CLAW_CHANNELS * COEFFICIENTS :]
-    for lane in range(columns.shape[0]):
-        tau[3, lane] = -1.0
-    for k in range(OUTPUT_ROWS):
-        for lane in range(columns.shape[0]):
-            high[k, lane] = -FAR
-            low[k, lane] = FAR
+    c, rest = rest[0:DECK_PIECES], rest[DECK_PIECES:]
+    cc, rest = rest[0:CLAW_PIECES], rest[CLAW_PIECES:]
+    cg, tau = rest[0:GUST_PIECES], rest[GUST_PIECES:]
+    start_block(high, low, tau)
     interval = substeps * dt
     gh = GAMMA * dt
     for half in range(2 * substeps + 1):
@@ -223,14 +200,16 @@ def advance_block(
         if second == 0:
             x = y
             dy = first
-            gather_pieces(nodes, claw_nodes, columns, clock, spn, mode[Mode.CLAW], c, cc, tau, dt)
+            gather_pieces(
+                nodes, claw_nodes, gust_nodes, columns, clock, spn, mode[Mode.CLAW], gusty, c, cc, cg, tau, dt
+            )
         else:
             x = stage
             dy = later
             start_second_stage(y, first, stage, dt)
             advance_claw(y, p, commands, history, (half // 2) * dt, interval, dt, stage)
         ahead = second * dt
-        prescribe(x, p, mode, c, cc, ripple, gusty, load(tau, 0) + ahead, load(tau, 1) + ahead, d)
+        prescribe(x, p, mode, c, cc, cg, ripple, gusty, load(tau, 0) + ahead, load(tau, 1) + ahead, d)
         rates(x, p, d, mode, first, dy, o, w, gh, second)
         if second == 0:
             attitude_outputs(x, d, o)
@@ -252,7 +231,7 @@ def finish_step(y: Any, first: Any, dy: Any, stage: Any, clock: Any, h: float) -
     accept(y, stage, clock)
 
 
-SCRATCH_ROWS = 2 * ODE_ROWS + STATE_ROWS + DECK_ROWS + WORK_ROWS + (DECK_CHANNELS + CLAW_CHANNELS) * COEFFICIENTS + 4
+SCRATCH_ROWS = 2 * ODE_ROWS + STATE_ROWS + DECK_ROWS + WORK_ROWS + DECK_PIECES + CLAW_PIECES + GUST_PIECES + 4
 
 
 @kernel
@@ -263,6 +242,7 @@ def advance_columns(
     mode: Any,
     nodes: Any,
     claw_nodes: Any,
+    gust_nodes: Any,
     clocks: Any,
     columns: Any,
     first: int,
@@ -302,8 +282,8 @@ def advance_columns(
         gather_columns(parameters, block, p)
         gather_columns(commands, block, u)
         advance_block(
-            y, p, u, mode, nodes, claw_nodes, block, clock, history, substeps, dt, spn, ripple, gusty, o, high, low,
-            scratch,
+            y, p, u, mode, nodes, claw_nodes, gust_nodes, block, clock, history, substeps, dt, spn, ripple, gusty,
+            o, high, low, scratch,
         )  # fmt: skip
         scatter_columns(y, block, live, state)
         scatter_columns(o, block, live, outputs)
@@ -366,33 +346,3 @@ def rates_columns(
 def rates_room(parameters: int) -> int:
     """Rows of workspace that `rates_columns` needs."""
     return STATE_ROWS + DECK_ROWS + ODE_ROWS + OUTPUT_ROWS + WORK_ROWS + parameters
-
-
-@kernel
-def deck_columns(nodes: Any, piece: int, tau: float, spacing: float, decks: Any, room: Any, lanes: Any) -> None:
-    """`Deck` rows (claw and wind left alone) of every column at `tau` seconds after node `piece`.
-
-    `room` is (DECK_ROOM, width), `lanes` (2, width).
-    """
-    width = room.shape[1]
-    c, rest = room[0 : DECK_CHANNELS * COEFFICIENTS], room[DECK_CHANNELS * COEFFICIENTS :]
-    d, t = rest[0:DECK_ROWS], rest[DECK_ROWS:]
-    block = lanes[0]
-    n = decks.shape[1]
-    for b in range((n + width - 1) // width):
-        live = min(width, n - b * width)
-        for lane in range(width):
-            block[lane] = b * width + min(lane, live - 1)
-            gather_piece(nodes, block[lane], piece, DECK_CHANNELS, spacing, c, lane)
-            t[0, lane] = tau
-        deck_kinematics(c, load(t, 0), d)
-        for k in range(DECK_ROWS):
-            if k < CLAW_FIRST or CLAW_LAST < k < WIND_FIRST:
-                for lane in range(live):
-                    decks[k, block[lane]] = d[k, lane]
-
-
-DECK_ROOM = DECK_CHANNELS * COEFFICIENTS + DECK_ROWS + 1
-CLAW_FIRST = int(Deck.C_CLAW_S)
-CLAW_LAST = int(Deck.V_CLAW_S) + 2
-WIND_FIRST = int(Deck.WIND)

@@ -24,7 +24,7 @@ from ssmash_gym.envs.observations import Observer
 from ssmash_gym.envs.reading import Reading, columns_of, half_spread
 from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, load_scenario
-from ssmash_gym.envs.sensors import SensorBank
+from ssmash_gym.envs.sensors import Instruments
 from ssmash_gym.envs.starts import Starter
 from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.simulation.batch import Snapshot
@@ -89,7 +89,7 @@ class TraverseBatch:
         scenario: Name, YAML file, mapping of changes, or `ScenarioConfig`.
         helicopter: Name, file, `Helicopter`, or a mapping: either a whole description, or changes by dotted path to the
             helicopter that its key ``base`` names.
-        observation: Overrides the task's: ``sensors``, ``full`` or names of `observations.TERMS`.
+        observation: Overrides the task's: ``sensors``, ``full``, ``forecast`` or names of `observations.TERMS`.
         threads: Workers of a call; None takes as many as are useful. Results do not depend on it.
         dump_dir: Folder for the state of a diverged helicopter; None writes nothing.
         max_episode_steps: Truncates earlier than the task's horizon, as Gymnasium's TimeLimit does.
@@ -123,7 +123,7 @@ class TraverseBatch:
         self.threads = threads or max(1, min(available_threads(), -(-n // lane_width(n))))
         self.batch = self.starter.batch(n, self.threads)
         self.observer = Observer(self.task)
-        self.sensors = self._sensor_bank(n)
+        self.sensors = Instruments(n, self.observer, self.starter)
         self.last: NDArray[np.float32] = np.zeros((n, self.observer.size), np.float32)
         self.book = EpisodeBook.blank(n, self.task.horizon_steps)
         self.book.over[:] = True
@@ -133,12 +133,6 @@ class TraverseBatch:
         self.limit_steps = min(max_episode_steps or self.task.horizon_steps, self.task.horizon_steps)
         self._half_spread = half_spread(self.starter.helicopter)
         self._nursery = Nursery(self.starter, n, self.threads)
-
-    def _sensor_bank(self, n: int) -> SensorBank:
-        delay, noise = self.scenario.bounds("sensors.delay_s"), self.scenario.bounds("sensors.noise")
-        return SensorBank(
-            n, self.observer.noise, delay[1] if delay else 0.0, self.task.control_interval_s, bool(noise and noise[1])
-        )
 
     @property
     def control_interval_s(self) -> float:
@@ -183,14 +177,7 @@ class TraverseBatch:
         self.book.progress[chosen] = progress_potential(first)
         self.book.alignment[chosen] = alignment_potential(first)
         scaled = self.observer.scaled(first)
-        episodes = [self.draws[k] for k in chosen]
-        scaled[:, self.observer.sensors] = self.sensors.start(
-            chosen,
-            [d.sensor_seed for d in episodes if d],
-            [d.sensors_noise for d in episodes if d],
-            [d.sensors_delay_s for d in episodes if d],
-            scaled[:, self.observer.sensors],
-        )
+        self.sensors.start(chosen, [d for d in (self.draws[k] for k in chosen) if d], scaled)
         self.last[chosen] = self.observer.observation(scaled)[0]
         return self.last[chosen]
 
@@ -284,7 +271,7 @@ class TraverseBatch:
         book.cost[columns] += cost
         book.over[columns] = terminated | truncated
         scaled = self.observer.scaled(reading)
-        scaled[:, self.observer.sensors] = self.sensors.read(columns, scaled[:, self.observer.sensors])
+        self.sensors.read(columns, scaled)
         observation, clipped = self.observer.observation(scaled)
         self.last[columns] = observation
         result = StepResult(
@@ -300,7 +287,7 @@ class TraverseBatch:
         info: dict[str, Any] = {
             "reason": reason,
             "success": reason == limits.GOAL,
-            "episode_metrics": self.book.metrics(k, reading, i, reason),
+            "episode_metrics": {**self.book.metrics(k, reading, i, reason), **self._sea(k)},
         }
         if reason == limits.DIVERGENCE:
             start = self.task.lead_in_steps * self.batch.timing.substeps
@@ -308,6 +295,12 @@ class TraverseBatch:
             if self.dump_dir is not None:
                 info["divergence"]["dump"] = dump(self.dump_dir, self.batch, k, self.draws[k], dict(info["divergence"]))
         return info
+
+    def _sea(self, k: int) -> dict[str, float | bool]:
+        """How severe the sea of column k's episode is: metrics that no policy can change."""
+        draw = self.draws[k]
+        assert draw is not None
+        return self.starter.decks.figures(draw).metrics()
 
     # --- copies ------------------------------------------------------------------------------------------------
 

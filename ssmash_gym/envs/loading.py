@@ -71,8 +71,10 @@ def read(folder: str, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
 
 
 def resolved(document: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Make the paths of recorded motions absolute, taken from the file's folder."""
+    """Make the paths of recorded motions and of a ship's file absolute, taken from the file's folder."""
     motion = document.get("motion")
+    if isinstance(motion, dict) and str(motion.get("ship", "")).endswith((".yaml", ".yml")):
+        motion["ship"] = str((folder / motion["ship"]).resolve())
     if isinstance(motion, dict) and isinstance(motion.get("paths"), list):
         motion["paths"] = [str((folder / str(path)).resolve()) for path in motion["paths"]]
     return document

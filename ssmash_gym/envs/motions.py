@@ -5,21 +5,18 @@ A draw gives a section that `ssmash_gym.ship.parse_motion` understands. Another 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ssmash_gym.envs.ranges import Constant, Range, within
+from ssmash_gym.envs.ranges import Constant, Extremes, Range, Section, Uniforms, within
+from ssmash_gym.envs.seaways import SeawayMotions
 from ssmash_gym.ship.harmonics import HIGHEST
 from ssmash_gym.ship.kinematics import EulerOrder
 from ssmash_gym.ship.recorded import DETREND
 from ssmash_gym.ship.shipmo import Rates
 
-Section = dict[str, Any]
-Extremes = list[tuple[str, Section]]
-Uniforms = Callable[[str], float]  # the uniform number that belongs to a named quantity
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -50,8 +47,8 @@ class FixedMotion(_Base):
 
     type: Literal["fixed"] = "fixed"
 
-    def draw(self, u: Uniforms) -> Section:
-        """A section for `parse_motion`."""
+    def draw(self, u: Uniforms, seed: int) -> Section:
+        """A section for `parse_motion`; the episode's motion seed is not needed."""
         return {"type": "fixed", **self._mean(u)}
 
     def extremes(self) -> Extremes:
@@ -68,8 +65,8 @@ class SinusoidMotion(_Base):
     period_s: Annotated[Range, within(0.5, 1e6)] = Field(description="period [s]")
     phase_deg: Range = Field(_ZERO, description="phase when the table starts [deg]")
 
-    def draw(self, u: Uniforms) -> Section:
-        """A section for `parse_motion`."""
+    def draw(self, u: Uniforms, seed: int) -> Section:
+        """A section for `parse_motion`; the episode's motion seed is not needed."""
         key = "amplitude_deg" if DOFS.index(self.dof) >= 3 else "amplitude_m"
         return {
             "type": "sinusoid",
@@ -127,8 +124,8 @@ class IrregularMotion(_Base):
             )
         return self
 
-    def draw(self, u: Uniforms) -> Section:
-        """A section for `parse_motion`."""
+    def draw(self, u: Uniforms, seed: int) -> Section:
+        """A section for `parse_motion`; the episode's motion seed is not needed."""
         severity = self.severity.draw(u("motion.severity"))
         section: Section = {"type": "irregular", "components": self.components, **self._mean(u)}
         for dof in DOFS:
@@ -169,8 +166,8 @@ class RecordedMotions(BaseModel):
     euler_order: EulerOrder = "zyx"
     detrend: bool = DETREND
 
-    def draw(self, u: Uniforms) -> Section:
-        """A section for `parse_motion`, with the start in ``start_s``."""
+    def draw(self, u: Uniforms, seed: int) -> Section:
+        """A section for `parse_motion`, with the start in ``start_s``; the episode's motion seed is not needed."""
         return {
             "type": "file",
             "path": self.paths[int(u("motion.path") * len(self.paths))],
@@ -186,13 +183,15 @@ class RecordedMotions(BaseModel):
         found: Extremes = []
         for k in range(len(self.paths)):
             places["motion.path"] = (k + 0.5) / len(self.paths)
-            section = self.draw(places.__getitem__)
+            section = self.draw(places.__getitem__, 0)
             found.append(("motion.paths", {**section, "start_s": 0.0}))
             found.append(("motion.start_s", {**section, "start_s": self.start_s.bounds[1]}))
         return found
 
 
-MotionRanges = Annotated[FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions, Field(discriminator="type")]
+MotionRanges = Annotated[
+    FixedMotion | SinusoidMotion | IrregularMotion | RecordedMotions | SeawayMotions, Field(discriminator="type")
+]
 PLACES: Final = (
     "motion.heel_deg",
     "motion.trim_deg",
@@ -204,4 +203,19 @@ PLACES: Final = (
     "motion.start_s",
     *(f"motion.{dof}" for dof in DOFS),
     *(f"motion.{dof}.period_s" for dof in DOFS),
+)
+# A new quantity takes a new place at the end, so that the old ones keep their random numbers.
+LATER: Final = (
+    "motion.hs_m",
+    "motion.tp",
+    "motion.lateral_g",
+    "motion.spectrum",
+    "motion.spreading",
+    "motion.heading_deg",
+    "motion.speed_kn",
+    "motion.roll_damping_factor",
+    "motion.gm_factor",
+    "motion.deck_shift_x_m",
+    "motion.deck_shift_y_m",
+    "motion.deck_shift_z_m",
 )

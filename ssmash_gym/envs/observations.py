@@ -23,6 +23,7 @@ from ssmash_gym.simulation.telemetry import channel
 Array = NDArray[np.float64]
 Read = Callable[[Reading], Array]
 GRAVITY: Final = 9.81  # [m/s2]; taken from the vertical specific force, so that a deck at rest reads about zero
+LEADS_S: Final = (1, 2, 3, 5)  # of the forecasts [s]: beyond 5 s accelerations are hardly foreseen at all
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,9 @@ class Term:
         noise: Nominal standard deviation of the sensor [unit] (assumed); 0 for what is known exactly.
         read: Takes the value from a reading, (n,).
         sensor: Whether it is measured: noise and delay apply.
-        basic: Whether it belongs to the set ``sensors``; ``full`` holds all.
+        basic: Whether it belongs to the set ``sensors``; ``full`` holds all but the forecasts.
         channel: The telemetry channel that `read` takes as it is, if it does no more.
+        forecast_of: The measured term whose forecast this is, if it is one; lead_s: how far ahead [s].
     """
 
     name: str
@@ -50,6 +52,8 @@ class Term:
     sensor: bool = True
     basic: bool = True
     channel: str = ""
+    forecast_of: str = ""
+    lead_s: float = 0.0
 
 
 def _channel(name: str, meaning: str, unit: str, scale: float, noise: float, basic: bool = True) -> Term:
@@ -68,6 +72,21 @@ def _station(suffix: str, meaning: str, unit: str, scale: float, noise: float, b
         _channel(f"{name}_{suffix}", f"{name} station: {meaning}", unit, scale, noise, basic=basic)
         for name in STATION_NAMES
     ]
+
+
+def _forecast(name: str, of: str, scale: float, unit: str, meaning: str) -> list[Term]:
+    """Forecasts of a measured term from its own past readings; `forecasts.ForecastBank` gives their values."""
+    return [
+        Term(
+            f"forecast_{name}_{lead}s", f"{meaning}, {lead} s after the reading", unit, scale, 0.0, _nothing_yet,
+            sensor=False, basic=False, forecast_of=of, lead_s=float(lead),
+        )
+        for lead in LEADS_S
+    ]  # fmt: skip
+
+
+def _nothing_yet(r: Reading) -> Array:
+    return np.zeros(r.steps.size)
 
 
 def _steer(r: Reading) -> Array:
@@ -142,18 +161,24 @@ _TERMS: Final = (
     *_station("friction_use", "largest share of the tire friction limit in use", "1", 1.0, 0.01, basic=False),
     *_station("compression_rate", "oleo compression rate", "m/s", 0.1, 0.005, basic=False),
     *_station("oleo_force", "oleo force", "N", 4e4, 200.0, basic=False),
+    # --- only in "forecast" ---
+    *_forecast("roll", "deck_roll", 0.1, "rad", "forecast of `deck_roll`"),
+    *_forecast("fy", "deck_fy", 1.0, "m/s2", "forecast of `deck_fy`"),
+    *_forecast("fz", "deck_fz", 1.0, "m/s2", "forecast of `deck_fz`"),
 )
 TERMS: Final[Mapping[str, Term]] = {term.name: term for term in _TERMS}
+_SET_OF: Final = ("full", "forecast")  # which set holds a term that is not in "sensors": measured, forecast
 
 
 def chosen_terms(observation: str | Sequence[str]) -> tuple[Term, ...]:
-    """The terms of a set (``sensors``, ``full``) or of a list of names, in that order.
+    """The terms of a set (``sensors``, ``full``, ``forecast``) or of a list of names, in that order.
 
     Raises:
-        ConfigurationError: A name is unknown, or the list is empty or names a term twice.
+        ConfigurationError: A name is unknown, the list is empty or names a term twice, or a forecast stands there
+            without the term it is a forecast of.
     """
     if isinstance(observation, str):
-        return tuple(term for term in _TERMS if term.basic or observation == "full")
+        return tuple(term for term in _TERMS if term.basic or observation == _SET_OF[bool(term.forecast_of)])
     for name in observation:
         if name not in TERMS:
             close = difflib.get_close_matches(name, TERMS, n=3)
@@ -161,6 +186,12 @@ def chosen_terms(observation: str | Sequence[str]) -> tuple[Term, ...]:
             raise ConfigurationError(f"task: observation names {name!r}, which is no term; {hint}.")
     if not observation or len(set(observation)) < len(observation):
         raise ConfigurationError(f"task: observation = {list(observation)}: name at least one term, and none twice.")
+    for name in observation:
+        of = TERMS[name].forecast_of
+        if of and of not in observation:
+            raise ConfigurationError(
+                f"task: observation names {name!r} but not {of!r}, whose readings it is made from."
+            )
     return tuple(TERMS[name] for name in observation)
 
 

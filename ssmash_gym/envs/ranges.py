@@ -6,7 +6,7 @@ random numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Final, Self
 
 import numpy as np
@@ -14,6 +14,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from scipy.special import ndtr, ndtri
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
+Section = dict[str, Any]  # a section of a configuration, in plain numbers
+Extremes = list[tuple[str, Section]]  # sections to try, each with the key that is at fault if it is refused
+Uniforms = Callable[[str], float]  # the uniform number that belongs to a named quantity
 RANGE_KEYS: Final = frozenset({"constant", "uniform", "choice", "normal"})
 _WRITTEN: Final = (
     "a range is a number, {uniform: [low, high]}, {choice: [values]} or "

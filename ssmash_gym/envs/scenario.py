@@ -8,14 +8,18 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs import motions
 from ssmash_gym.envs.loading import load, validated
 from ssmash_gym.envs.motions import MotionRanges, RecordedMotions
 from ssmash_gym.envs.ranges import Constant, Range, within
+from ssmash_gym.envs.seaways import SeawayMotions
+from ssmash_gym.envs.winds import WIND, FreeWind, SeaWind, WindRanges, free_by_default
 from ssmash_gym.errors import ConfigurationError, refusal, shown
 from ssmash_gym.ship import parse_motion
+from ssmash_gym.ship.sea import KNOT
+from ssmash_gym.ship.seaway import Seaway
 
 _ZERO: Final = Constant(constant=0.0)
 _ONE: Final = Constant(constant=1.0)
@@ -31,19 +35,6 @@ class Start(_Section):
 
     yaw_deg: Annotated[Range, within(-90.0, 90.0)] = Field(_ZERO, description="heading relative to the track [deg]")
     lateral_m: Range = Field(_ZERO, description="probe and claw from the centre line, starboard positive [m]")
-
-
-class Wind(_Section):
-    """True wind and the ship's mean speed; the helicopter feels the difference."""
-
-    speed_mps: Annotated[Range, within(0.0, 60.0)] = Field(_ZERO, description="true wind speed [m/s]")
-    from_deg: Range = Field(_ZERO, description="where the true wind comes from: 0 ahead, 90 starboard beam [deg]")
-    ship_speed_mps: Annotated[Range, within(0.0, 30.0)] = Field(_ZERO, description="mean speed of the ship [m/s]")
-    gust_mps: Annotated[Range, within(0.0, 60.0)] = Field(
-        _ZERO, description="amplitude of a sine along the true wind's direction, on top of `speed_mps` [m/s]"
-    )
-    gust_period_s: Annotated[Range, within(0.5, 1e6)] = Field(Constant(constant=8.0), description="its period [s]")
-    gust_phase_deg: Range = Field(_ZERO, description="its phase when the lead-in starts [deg]")
 
 
 class Helicopter(_Section):
@@ -81,16 +72,34 @@ class ScenarioConfig(_Section):
     description: str = Field("", description="what it stands for, in a sentence")
     motion: MotionRanges = Field(description="deck motion")
     start: Start = Start()
-    wind: Wind = Wind()
+    wind: WindRanges = Field(FreeWind(), description="given by itself, or tied to the sea")
     helicopter: Helicopter = Helicopter()
     claw: Claw = Claw()
     sensors: Sensors = Sensors()
 
+    @field_validator("wind", mode="before")
+    @classmethod
+    def _free_by_default(cls, given: Any) -> Any:
+        return free_by_default(given)
+
     @model_validator(mode="after")
-    def _one_mean_speed(self) -> Self:
+    def _one_sea(self) -> Self:
+        seaway = isinstance(self.motion, SeawayMotions)
+        if isinstance(self.wind, SeaWind):
+            if not seaway:
+                raise ValueError(
+                    f"wind.type sea is refused with motion.type {self.motion.type}: only a seaway has a wave height "
+                    "and a direction; give the wind by itself ({type: free, ...})"
+                )
+            return self
+        if self.wind.ship_speed_mps is None:
+            return self
         speeds = self.wind.ship_speed_mps.bounds
+        told = f"wind.ship_speed_mps from {speeds[0]:g} to {speeds[1]:g}"
+        if seaway:
+            raise ValueError(f"{told} is refused with a seaway: leave it out, the ship's speed is motion.speed_kn")
         if isinstance(self.motion, RecordedMotions) and not self.motion.detrend and any(speeds):
-            raise ValueError(_TWICE.format(f"wind.ship_speed_mps from {speeds[0]:g} to {speeds[1]:g}"))
+            raise ValueError(_TWICE.format(told))
         return self
 
     def sample(self, rng: np.random.Generator) -> EpisodeDraw:
@@ -98,9 +107,9 @@ class ScenarioConfig(_Section):
         motion_seed, sensor_seed = (int(s) for s in rng.integers(_SEEDS, size=2))
         numbers = dict(zip(_PLACES, rng.random(_RESERVED).tolist(), strict=False))
         plain: dict[str, Any] = {name.replace(".", "_"): self._value(name, numbers[name]) for name in _DRAWN}
-        return EpisodeDraw(
-            **plain, motion=self.motion.draw(numbers.__getitem__), motion_seed=motion_seed, sensor_seed=sensor_seed
-        )
+        motion = self.motion.draw(numbers.__getitem__, motion_seed)
+        plain |= self.wind.draw(numbers.__getitem__, motion)
+        return EpisodeDraw(**plain, motion=motion, motion_seed=motion_seed, sensor_seed=sensor_seed)
 
     def _value(self, name: str, u: float) -> float | None:
         section, key = name.split(".")
@@ -108,7 +117,10 @@ class ScenarioConfig(_Section):
         return None if found is None else float(found.draw(u))
 
     def bounds(self, name: str) -> tuple[float, float] | None:
-        """Least and greatest value of a quantity such as ``sensors.delay_s``; None where the task decides."""
+        """Least and greatest value of a quantity such as ``sensors.delay_s`` (motion and wind apart).
+
+        None where the task decides.
+        """
         section, key = name.split(".")
         found = getattr(getattr(self, section), key)
         return None if found is None else found.bounds
@@ -127,9 +139,7 @@ class EpisodeDraw:
     wind_speed_mps: float
     wind_from_deg: float
     wind_ship_speed_mps: float
-    wind_gust_mps: float
-    wind_gust_period_s: float
-    wind_gust_phase_deg: float
+    wind_gust_intensity: float
     helicopter_mass_factor: float
     helicopter_cg_x_m: float
     helicopter_cg_y_m: float
@@ -177,7 +187,7 @@ def check_draw(draw: EpisodeDraw) -> None:
         ConfigurationError: A value is no finite number, lies beyond what its range may give, or the motion is none.
     """
     sections: dict[str, dict[str, Any]] = {}
-    for name in _DRAWN:
+    for name in (*_DRAWN, *_WIND):
         section, key = name.split(".")
         field, value = name.replace(".", "_"), getattr(draw, name.replace(".", "_"))
         if value is None and field in _MAY_BE_NONE:
@@ -191,15 +201,24 @@ def check_draw(draw: EpisodeDraw) -> None:
             raise refusal("draw", field, value, "must be a whole number of 0 or more")
     for section, numbers in sections.items():
         validated(_SECTIONS[section], numbers, f"draw: {section}")
+    _check_motion(draw)
+
+
+def _check_motion(draw: EpisodeDraw) -> None:
+    """Refuse a motion that is none, or that has a mean speed of its own beside the wind's."""
     if not isinstance(draw.motion, Mapping):
         raise refusal("draw", "motion", draw.motion, "must be a mapping, as in info['draw']")
     motion = dict(draw.motion)
     start_s = motion.pop("start_s", 0.0)
     if not _finite(start_s):
         raise refusal("draw", "motion.start_s", start_s, "must be a finite number")
-    parse_motion(motion, where="draw: motion")
-    if motion["type"] == "file" and not motion.get("detrend", True) and draw.wind_ship_speed_mps:
-        raise ConfigurationError("draw: " + _TWICE.format(f"wind_ship_speed_mps = {draw.wind_ship_speed_mps:g}") + ".")
+    source = parse_motion(motion, where="draw: motion")
+    speed = draw.wind_ship_speed_mps
+    if motion["type"] == "file" and not motion.get("detrend", True) and speed:
+        raise ConfigurationError("draw: " + _TWICE.format(f"wind_ship_speed_mps = {speed:g}") + ".")
+    if isinstance(source, Seaway) and abs(speed - KNOT * source.speed_kn) > 1e-6:
+        own = f"must be the seaway's own, {KNOT * source.speed_kn:.6g} m/s (motion.speed_kn)"
+        raise refusal("draw", "wind_ship_speed_mps", speed, own)
 
 
 def _finite(value: Any) -> bool:
@@ -207,7 +226,8 @@ def _finite(value: Any) -> bool:
     return number and bool(np.isfinite(value))
 
 
-_QUANTITIES: Final = (
+# Places of the random numbers. A new quantity takes a new place at the end, so that the old ones keep theirs.
+_PLACES: Final = (
     "start.yaw_deg",
     "start.lateral_m",
     "wind.speed_mps",
@@ -225,14 +245,17 @@ _QUANTITIES: Final = (
     "claw.ripple_phase_deg",
     "sensors.noise",
     "sensors.delay_s",
+    *motions.PLACES,
+    "wind.gust_intensity",
+    "wind.speed_factor",
+    "wind.from_waves_deg",
+    *motions.LATER,
 )
-# A new quantity takes a new place at the end, so that the old ones keep their random numbers.
-_LATER: Final = ("wind.gust_mps", "wind.gust_period_s", "wind.gust_phase_deg")
-_PLACES: Final = (*_QUANTITIES, *motions.PLACES, *_LATER)
-_DRAWN: Final = (*_QUANTITIES, *_LATER)
+_DRAWN: Final = tuple(name for name in _PLACES if name.split(".")[0] not in ("motion", "wind"))
+_WIND: Final = tuple(field.replace("_", ".", 1) for field in WIND)
 _MAY_BE_NONE: Final = ("claw_delay_s", "claw_ripple_along_m", "claw_ripple_across_m")
-_SECTIONS: Final[dict[str, type[_Section]]] = {
-    "start": Start, "wind": Wind, "helicopter": Helicopter, "claw": Claw, "sensors": Sensors,
+_SECTIONS: Final[dict[str, type[BaseModel]]] = {
+    "start": Start, "wind": FreeWind, "helicopter": Helicopter, "claw": Claw, "sensors": Sensors,
 }  # fmt: skip
 _TWICE: Final = (
     "{} is refused with a recorded motion and detrend: false: the record keeps its own mean speed, "

@@ -1,4 +1,7 @@
-"""Noise and delay of the sensors: each helicopter has its own generator, delay and noise level."""
+"""What is measured: noise and delay of the sensors, and the forecasts that are made from their readings.
+
+Each helicopter has its own generator, delay and noise level.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,72 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ssmash_gym.envs.forecasts import ForecastBank
+from ssmash_gym.envs.observations import Observer
+from ssmash_gym.envs.scenario import EpisodeDraw
+from ssmash_gym.envs.starts import Starter
+
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
 _CHUNK = 64  # control intervals whose noise is drawn at once
+
+
+class Instruments:
+    """Turns true observations of N helicopters into measured ones, in place.
+
+    Args:
+        n: Helicopters.
+        observer: Which terms are observed.
+        starter: Of the episodes; its scenario says how late and noisy sensors can be.
+
+    Raises:
+        ConfigurationError: The observation holds forecasts, and the task's control interval does not suit them.
+    """
+
+    def __init__(self, n: int, observer: Observer, starter: Starter) -> None:
+        delay, noise = (starter.scenario.bounds(f"sensors.{key}") or (0.0, 0.0) for key in ("delay_s", "noise"))
+        self._places = observer.sensors
+        self._sensors = SensorBank(n, observer.noise, delay[1], starter.task.control_interval_s, bool(noise[1]))
+        self._forecasts: ForecastBank | None = None
+        if any(term.forecast_of for term in observer.terms):
+            self._forecasts = ForecastBank(n, observer, starter, self.longest_delay_s)
+
+    @property
+    def longest_delay_s(self) -> float:
+        """What the sensors' memory reaches back [s]."""
+        return self._sensors.longest_delay_s
+
+    @property
+    def noisy(self) -> bool:
+        """Whether any helicopter can have noise."""
+        return self._sensors.noisy
+
+    def start(self, columns: Columns, draws: Sequence[EpisodeDraw], scaled: Array) -> None:
+        """Begin episodes of the listed columns and measure their first instant; `scaled` is (m, size)."""
+        seeds = [draw.sensor_seed for draw in draws]
+        levels, delays = [draw.sensors_noise for draw in draws], [draw.sensors_delay_s for draw in draws]
+        scaled[:, self._places] = self._sensors.start(columns, seeds, levels, delays, scaled[:, self._places])
+        if self._forecasts is not None:
+            self._forecasts.start(columns, draws, scaled)
+
+    def read(self, columns: Columns, scaled: Array) -> None:
+        """Measure one instant of the listed columns; `scaled` is (m, size)."""
+        scaled[:, self._places] = self._sensors.read(columns, scaled[:, self._places])
+        if self._forecasts is not None:
+            self._forecasts.read(columns, scaled)
+
+    def snapshot(self) -> dict[str, Any]:
+        """A copy of everything that changes."""
+        return {name: bank.snapshot() for name, bank in self._banks().items()}
+
+    def restore(self, snapshot: dict[str, Any], columns: Columns | None = None) -> None:
+        """Return to a snapshot, or make each helicopter a copy of the snapshot's column listed for it."""
+        for name, bank in self._banks().items():
+            bank.restore(snapshot[name], columns)
+
+    def _banks(self) -> dict[str, SensorBank | ForecastBank]:
+        banks: dict[str, SensorBank | ForecastBank] = {"sensors": self._sensors}
+        return banks if self._forecasts is None else {**banks, "forecasts": self._forecasts}
 
 
 class SensorBank:

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from ssmash_gym.dynamics import vectors
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import SPEEDS, STATION_ROWS, STATIONS, TIRE_PAR, TIRE_ROWS, TIRES, Par, Sta, State, Tir
+from ssmash_gym.envs.decks import Decks
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, check_draw
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError, refusal, shown
-from ssmash_gym.ship import MotionSource, MotionTable, parse_motion
+from ssmash_gym.ship import Motion, MotionTable
+from ssmash_gym.ship.wind import blows_towards, wind_over_deck
 from ssmash_gym.simulation.batch import Batch, Timing
 from ssmash_gym.simulation.parameters import parameter_column
 from ssmash_gym.vehicle import Helicopter, with_changes
@@ -26,6 +28,7 @@ Columns = NDArray[np.int64]
 _rotation = uncompiled(vectors.rotation)
 _apply = uncompiled(vectors.apply)
 _SETTLING_S = 4.0  # a lead-in of this length settles small differences of mass, c.g. and tire pressure
+_SLIGHT_DEG = 3.0  # heel and trim at the start of a seaway that need no settling of their own
 _VARIED = {  # what a draw changes of the helicopter, and its undisturbed value
     "mass_factor": 1.0,
     "cg_x_m": 0.0,
@@ -116,20 +119,25 @@ def _cg_shift(draw: EpisodeDraw) -> Array:
 
 def relative_wind(draw: EpisodeDraw) -> Array:
     """True wind minus the ship's mean velocity [m/s], N axes (x along the mean heading, y starboard, z down), (3,)."""
-    angle = np.deg2rad(draw.wind_from_deg)
-    wind = -draw.wind_speed_mps * np.array([np.cos(angle), np.sin(angle), 0.0])
-    return np.asarray(wind - np.array([draw.wind_ship_speed_mps, 0.0, 0.0]))
+    return wind_over_deck(draw.wind_speed_mps, draw.wind_from_deg, draw.wind_ship_speed_mps)
 
 
-def gust(draw: EpisodeDraw) -> Array:
-    """Amplitude of the gust [m/s], N axes, (3,): along the true wind, which grows while the sine is positive."""
-    angle = np.deg2rad(draw.wind_from_deg)
-    return -draw.wind_gust_mps * np.array([np.cos(angle), np.sin(angle), 0.0])
+def gust_direction(draw: EpisodeDraw) -> Array:
+    """Unit vector along which the gusts add to the true wind, N axes, (3,): its own direction; zero without gusts."""
+    gusty = draw.wind_gust_intensity * draw.wind_speed_mps > 0.0
+    return blows_towards(draw.wind_from_deg) if gusty else np.zeros(3)
 
 
 def _level(draw: EpisodeDraw) -> bool:
-    """Whether the deck is level before the motion is ramped in."""
-    return draw.motion["type"] != "file" and not (draw.motion.get("roll_deg") or draw.motion.get("pitch_deg"))
+    """Whether the deck is level before the motion is ramped in, or nearly so before a sea.
+
+    A slight heel loads the probe by what the tires do not take, some 0.9 kN a degree: as a landing on a ship under way
+    does, and less than the sea does during the lead-in. The search for equilibrium would take twice as long as that.
+    """
+    kind = draw.motion["type"]
+    if kind == "seaway":
+        return all(abs(draw.motion.get(key, 0.0)) <= _SLIGHT_DEG for key in ("heel_deg", "trim_deg"))
+    return kind != "file" and not (draw.motion.get("roll_deg") or draw.motion.get("pitch_deg"))
 
 
 class Starter:
@@ -153,7 +161,7 @@ class Starter:
         self.longest_delay_s = task.claw.delay_s if delay is None else delay[1]
         self._column = parameter_column(self.helicopter)
         task.claw.fill(self._column, task.substep_s)
-        self._records: dict[tuple[str, ...], MotionSource] = {}
+        self.decks = Decks(task, self.timing)
         self._check_ranges()
 
     def _check_ranges(self) -> None:
@@ -176,7 +184,7 @@ class Starter:
         """Bake the motions that ask most of a table: what cannot be is told now, with the scenario's key."""
         for key, section in self.scenario.motion.extremes():
             try:
-                self._baked(section, 0)
+                self.decks.baked(section, 0)
             except ConfigurationError as error:
                 raise ConfigurationError(f"scenario: {key} is refused: {error}") from None
 
@@ -242,9 +250,7 @@ class Starter:
         column = self._column.copy()
         vary(column, draw)
         column[Par.WIND : Par.WIND + 3] = relative_wind(draw)
-        column[Par.GUST : Par.GUST + 3] = gust(draw)
-        column[Par.GUST_OMEGA] = 2.0 * math.pi / draw.wind_gust_period_s
-        column[Par.GUST_PHASE] = math.radians(draw.wind_gust_phase_deg)
+        column[Par.GUST : Par.GUST + 3] = gust_direction(draw)
         if draw.claw_delay_s is not None:
             column[Par.CLAW_DELAY] = round(draw.claw_delay_s / self.task.substep_s) * self.task.substep_s
         if draw.claw_ripple_along_m is not None:
@@ -256,21 +262,11 @@ class Starter:
 
     def table(self, draw: EpisodeDraw) -> MotionTable:
         """The deck motion of a draw: lead-in, horizon and a little more."""
-        return self._baked(draw.motion, draw.motion_seed)
+        return self.decks.baked(draw.motion, draw.motion_seed)
 
-    def _baked(self, given: Mapping[str, Any], seed: int) -> MotionTable:
-        section = dict(given)
-        start_s = float(section.pop("start_s", 0.0))
-        if section["type"] == "file":  # a record is read once
-            key = tuple(f"{name}={value}" for name, value in sorted(section.items()))
-            if key not in self._records:
-                self._records[key] = parse_motion(section, where="motion")
-            source = self._records[key]
-        else:
-            source = parse_motion(section, where="motion")
-        motion = source.realise(np.random.default_rng(seed))
-        duration = self.task.lead_in.duration_s + self.task.horizon_s + self.timing.node_spacing_s
-        return motion.bake(duration, self.timing.node_spacing_s, ramp_s=self.task.lead_in.ramp_s, start_s=start_s)
+    def motion(self, draw: EpisodeDraw) -> tuple[Motion, float]:
+        """The same before it is baked and ramped in, and its time when the lead-in starts [s]."""
+        return self.decks.motion(draw.motion, draw.motion_seed)
 
     @cached_property
     def _rest(self) -> Array:
@@ -305,6 +301,7 @@ class Starter:
         for k, draw in zip(columns, draws, strict=True):
             batch.parameters[:, k] = self.column(draw)
         batch.set_motion([self.table(draw) for draw in draws], columns)
+        batch.set_gusts([self.decks.gusts(draw) for draw in draws], columns)
         settles_by_itself = self.task.lead_in.duration_s >= _SETTLING_S
         exact = []
         for k, draw in zip(columns, draws, strict=True):

@@ -140,7 +140,7 @@ class TaskConfig(Section):
     limits: Limits
     corridor: Corridor
     reward: Reward
-    observation: Literal["sensors", "full"] | tuple[str, ...] = Field(description="a set, or names of terms")
+    observation: Literal["sensors", "full", "forecast"] | tuple[str, ...] = Field(description="a set, or terms")
     observation_clip: Positive = Field(description="bound of every scaled observation [1]")
     models: Models
 

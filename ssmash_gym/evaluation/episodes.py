@@ -34,9 +34,9 @@ def run_episodes(
         tell: Called after each control interval with the number of helicopters that took it.
 
     Returns:
-        One row an episode: ``seed``, the metrics of the environment, ``failed`` (ended by anything but goal or time),
-        ``scored_peak_kN`` (the peak probe load, or the ultimate load where it failed), and for each limit ``cost_NAME``
-        (control intervals in which it was exceeded).
+        One row an episode: ``seed``, the metrics of the environment (the severity of its sea among them), ``failed``
+        (ended by anything but goal or time), ``scored_peak_kN`` (the peak probe load, or the ultimate load where it
+        failed), and for each limit ``cost_NAME`` (control intervals in which it was exceeded).
     """
     rows: list[dict[str, Any]] = []
     for first in range(0, len(seeds), LARGEST_BATCH):

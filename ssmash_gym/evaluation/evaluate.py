@@ -74,6 +74,7 @@ def evaluate(
     shown = Console(width=max(console.width, 140)) if not console.is_terminal else console
     title = f"{episodes} episodes, seed {seed}"
     shown.print(report.table(summary["policies"], title))
+    shown.print(report.severity_table(summary["policies"]))
     if "comparison" in summary:
         for sentence in report.sentences(policies[0].name, summary["comparison"]):
             shown.print(sentence)

@@ -50,6 +50,36 @@ def table(policies: Mapping[str, Mapping[str, Any]], title: str) -> Table:
     return found
 
 
+def severity_table(policies: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Peak probe loads by severity of the sea; one row a policy, one column a band of the lateral specific force.
+
+    Args:
+        policies: Their summaries by name, as in ``summary.json``; all of the same episodes.
+    """
+    first = next(iter(policies.values()))
+    outside = 100 * first["outside_validity_rate"]
+    found = Table(
+        title="peak probe load by the deck's lateral specific force (long-run RMS): mean / P95 kN, success %",
+        caption=f"{outside:.1f} % of the episodes lie outside the validity of the ship's motion",
+    )
+    found.add_column("policy")
+    for band in first["by_lateral_g"]:
+        found.add_column(f"{_band(band)}\n{band['episodes']} episodes", justify="right")
+    for name, summary in policies.items():
+        cells = []
+        for band in summary["by_lateral_g"]:
+            load = band["peak_probe_kN"]
+            cells.append(f"{load['mean']:.1f} / {load['p95']:.1f}, {100 * band['success_rate']:.0f}")
+        found.add_row(name, *cells)
+    return found
+
+
+def _band(band: Mapping[str, Any]) -> str:
+    if band["to_g"] is None:
+        return f"from {band['from_g']:g} g"
+    return f"{band['from_g']:g} to {band['to_g']:g} g"
+
+
 def sentences(agent: str, against: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """The comparison of one policy with the others, a sentence each."""
     return [

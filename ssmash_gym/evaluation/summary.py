@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import Any, Final
 
 import numpy as np
@@ -12,6 +14,7 @@ from ssmash_gym.envs.limits import LIMITS
 from ssmash_gym.evaluation.statistics import bootstrap, bootstrap_ratio, mean, median, p95
 
 ON_TIME: Final = 1.2  # a success counts as on time within this factor of the other policy's median time
+BANDS_G: Final = (0.0, 0.02, 0.04, 0.06, 0.08, math.inf)  # of the sea's lateral specific force, long-run RMS [g]
 
 
 def policy_summary(episodes: pl.DataFrame) -> dict[str, Any]:
@@ -20,7 +23,9 @@ def policy_summary(episodes: pl.DataFrame) -> dict[str, Any]:
     A failed episode counts with the ultimate load. An episode that ran out of time counts with its own peak, and not
     as a success. Times are those of successes; without any, those of all episodes. ``aligned_rate`` is the share that
     ended straight and on the centre line, wherever along the track, and without a failure; ``cost_rates`` are the
-    shares of episodes in which a limit was exceeded at least once. All intervals are 95 % bootstrap intervals.
+    shares of episodes in which a limit was exceeded at least once. ``outside_validity_rate`` is the share in seas for
+    which the model of the ship's motion is not valid, ``by_lateral_g`` the same numbers by severity (`bands`). All
+    intervals are 95 % bootstrap intervals.
     """
     success, peak = numbers(episodes, "success"), numbers(episodes, "scored_peak_kN")
     aligned = numbers(episodes, "aligned") * (1.0 - numbers(episodes, "failed"))
@@ -47,8 +52,38 @@ def policy_summary(episodes: pl.DataFrame) -> dict[str, Any]:
         "cost_rates": {name: float(np.mean(numbers(episodes, f"cost_{name}") > 0.0)) for name in LIMITS},
         "final_yaw_deg": {"mean_abs": float(np.mean(np.abs(numbers(episodes, "final_yaw_deg"))))},
         "return": {"mean": float(np.mean(numbers(episodes, "return")))},
+        "outside_validity_rate": float(np.mean(1.0 - numbers(episodes, "within_validity"))),
+        "by_lateral_g": bands(episodes),
         "reasons": {str(name): int(count) for name, count in sorted(episodes["reason"].value_counts().iter_rows())},
     }
+
+
+def bands(episodes: pl.DataFrame) -> list[dict[str, Any]]:
+    """Peak probe loads by severity of the sea: a row for each band of `BANDS_G` that holds an episode.
+
+    Args:
+        episodes: Rows as of `ssmash_gym.evaluation.episodes.run_episodes`.
+
+    Returns:
+        For each band its bounds ``from_g`` and ``to_g`` (None: no bound), ``episodes``, ``success_rate``, and
+        ``peak_probe_kN`` with ``mean`` and ``p95``; a failed episode counts with the ultimate load.
+    """
+    severity = numbers(episodes, "sea_lateral_g")
+    success, peak = numbers(episodes, "success"), numbers(episodes, "scored_peak_kN")
+    found = []
+    for low, high in itertools.pairwise(BANDS_G):
+        inside = (severity >= low) & (severity < high)
+        if inside.any():
+            found.append(
+                {
+                    "from_g": low,
+                    "to_g": high if math.isfinite(high) else None,
+                    "episodes": int(np.sum(inside)),
+                    "success_rate": float(np.mean(success[inside])),
+                    "peak_probe_kN": {"mean": float(np.mean(peak[inside])), "p95": float(p95(peak[inside]))},
+                }
+            )
+    return found
 
 
 def comparison(episodes: pl.DataFrame, other: pl.DataFrame) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ssmash_gym.ship.motion import (
     CHANNELS,
     DEFAULT_SPACING_S,
     DeckPose,
+    DeckRms,
     Motion,
     MotionSource,
     MotionTable,
@@ -19,6 +20,9 @@ from ssmash_gym.ship.motion import (
     smootherstep,
 )
 from ssmash_gym.ship.recorded import Discrepancy, RecordedMotion
+from ssmash_gym.ship.sea import SEA_STATES, Spectrum, Spreading, comes_from_deg, named_spectrum, period_of_height
+from ssmash_gym.ship.seaway import Seaway, SeawayMotion, draw_seaway
+from ssmash_gym.ship.seaway_statistics import spectral_deck_rms
 from ssmash_gym.ship.shipmo import ShipmoRecord, read_shipmo, write_shipmo
 from ssmash_gym.ship.sources import (
     DOFS,
@@ -34,8 +38,10 @@ __all__ = [
     "CHANNELS",
     "DEFAULT_SPACING_S",
     "DOFS",
+    "SEA_STATES",
     "Component",
     "DeckPose",
+    "DeckRms",
     "Discrepancy",
     "Fixed",
     "Harmonics",
@@ -48,12 +54,21 @@ __all__ = [
     "MotionSource",
     "MotionTable",
     "RecordedMotion",
+    "Seaway",
+    "SeawayMotion",
     "ShipmoRecord",
     "Signal",
     "Sinusoid",
+    "Spectrum",
+    "Spreading",
+    "comes_from_deg",
+    "draw_seaway",
+    "named_spectrum",
     "parse_motion",
+    "period_of_height",
     "pose_of",
     "read_shipmo",
     "smootherstep",
+    "spectral_deck_rms",
     "write_shipmo",
 ]

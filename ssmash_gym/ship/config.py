@@ -9,26 +9,28 @@ from typing import Annotated, Any, Final
 from pydantic import Field, TypeAdapter, ValidationError
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship.seaway import Seaway
 from ssmash_gym.ship.sources import Fixed, Irregular, MotionFile, Section, Sinusoid
 
 # For a field of a larger model; a relative path of a record is then taken from `context={"folder": ...}`.
-MotionConfig = Annotated[Fixed | Sinusoid | Irregular | MotionFile, Field(discriminator="type")]
-_ADAPTER: Final[TypeAdapter[Fixed | Sinusoid | Irregular | MotionFile]] = TypeAdapter(MotionConfig)
+MotionConfig = Annotated[Fixed | Sinusoid | Irregular | MotionFile | Seaway, Field(discriminator="type")]
+_ADAPTER: Final[TypeAdapter[Fixed | Sinusoid | Irregular | MotionFile | Seaway]] = TypeAdapter(MotionConfig)
 _SECTIONS: Final[dict[str, type[Section]]] = {
     "fixed": Fixed,
     "sinusoid": Sinusoid,
     "irregular": Irregular,
     "file": MotionFile,
+    "seaway": Seaway,
 }
 
 
 def parse_motion(
     section: Mapping[str, Any], *, folder: str | Path | None = None, where: str = "motion"
-) -> Fixed | Sinusoid | Irregular | MotionFile:
+) -> Fixed | Sinusoid | Irregular | MotionFile | Seaway:
     """The motion source that a section describes, for example ``{"type": "fixed", "roll_deg": 5}``.
 
     Args:
-        section: Mapping with `type` (fixed, sinusoid, irregular or file) and that type's keys.
+        section: Mapping with `type` (fixed, sinusoid, irregular, file or seaway) and that type's keys.
         folder: Folder of the configuration file, from which a relative `path` is taken.
         where: What the section is called in messages.
 

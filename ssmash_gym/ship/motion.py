@@ -26,6 +26,9 @@ CHANNELS: Final = ("x", "y", "z", "roll", "pitch", "yaw")
 N_CHANNELS: Final = len(CHANNELS)
 # Errors of a sea's motion at this spacing, in units of its standard deviation: 3e-8 in position, 2e-5 in acceleration.
 DEFAULT_SPACING_S: Final = 0.25
+GRAVITY: Final = 9.81  # [m/s2]
+RMS_DURATION_S: Final = 600.0  # of a sampled severity: a ten-minute record at four samples a second
+RMS_SPACING_S: Final = 0.25
 TIME_SLACK: Final = (
     1e-6  # share of a spacing by which a time may pass the table's ends (rounding of the caller's clock)
 )
@@ -152,7 +155,7 @@ def hermite(first: FloatArray, last: FloatArray, h: float, t: FloatArray) -> Sig
     """Quintic piece between two nodes, and its derivatives.
 
     Args:
-        first: Node at the piece's start, (..., 18) [m, rad, s].
+        first: Node at the piece's start, (..., 18) [m, rad, s], or three values of any other number of channels.
         last: Node at its end, (..., 18).
         h: Time between them [s].
         t: Time since the first [s], broadcast against (..., 6).
@@ -160,8 +163,9 @@ def hermite(first: FloatArray, last: FloatArray, h: float, t: FloatArray) -> Sig
     Returns:
         Position, rate and acceleration, each (..., 6).
     """
-    q0, v0, a0 = (first[..., k * N_CHANNELS : (k + 1) * N_CHANNELS] for k in range(3))
-    q1, v1, a1 = (last[..., k * N_CHANNELS : (k + 1) * N_CHANNELS] for k in range(3))
+    n = first.shape[-1] // 3
+    q0, v0, a0 = (first[..., k * n : (k + 1) * n] for k in range(3))
+    q1, v1, a1 = (last[..., k * n : (k + 1) * n] for k in range(3))
     # What a parabola from the first node leaves to be made up at the last one, in units of position.
     dq = q1 - q0 - v0 * h - 0.5 * a0 * h * h
     dv = (v1 - v0 - a0 * h) * h
@@ -175,6 +179,33 @@ def hermite(first: FloatArray, last: FloatArray, h: float, t: FloatArray) -> Sig
         rate=v0 + t * (2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * (5.0 * c5)))),
         acceleration=2.0 * c2 + t * (6.0 * c3 + t * (12.0 * c4 + t * (20.0 * c5))),
     )
+
+
+@dataclass(frozen=True)
+class DeckRms:
+    """How severe a deck motion is: root mean squares about the mean, of the deck origin.
+
+    Attributes:
+        roll_deg: Roll [deg].
+        pitch_deg: Pitch [deg].
+        heave_m: Vertical displacement of the deck origin [m].
+        vertical_velocity_m_s: Its vertical velocity, N axes [m/s].
+        vertical_acceleration_g: Its vertical acceleration, N axes [9.81 m/s2].
+        lateral_acceleration_g: Its acceleration to starboard, S axes [9.81 m/s2].
+        lateral_specific_force_g: Its specific force to starboard, S axes [9.81 m/s2]: the acceleration less the
+            component of gravity, what a load on the deck feels.
+        roll_period_s: Mean period of roll, ``2 pi`` times the ratio of the RMS of roll and roll rate [s]; nan where the
+            deck does not roll.
+    """
+
+    roll_deg: float
+    pitch_deg: float
+    heave_m: float
+    vertical_velocity_m_s: float
+    vertical_acceleration_g: float
+    lateral_acceleration_g: float
+    lateral_specific_force_g: float
+    roll_period_s: float
 
 
 class MotionSource(Protocol):
@@ -192,7 +223,7 @@ class MotionSource(Protocol):
 class Motion(ABC):
     """A deck motion that is known at every time of its record.
 
-    A new source (a seaway, for one) implements `signal` for the deck origin, and `mean` where it has one.
+    A new source implements `signal` for the deck origin, and `mean` where it has one.
     """
 
     @property
@@ -221,6 +252,38 @@ class Motion(ABC):
     def realise(self, rng: np.random.Generator | None = None) -> Motion:
         """This motion: nothing is left to be drawn."""
         return self
+
+    @property
+    def outside_validity(self) -> str | None:
+        """One sentence where the motion passes what its model is valid for; None otherwise, and for plain signals."""
+        return None
+
+    def deck_rms(self, duration_s: float = RMS_DURATION_S) -> DeckRms:
+        """Severity of the motion, here by sampling; a seaway knows its long-run values exactly.
+
+        Args:
+            duration_s: Time from t = 0 to sample [s]; less where the motion is shorter.
+
+        Raises:
+            ConfigurationError: A duration that is not positive.
+        """
+        duration = min(positive("deck_rms", "duration_s", duration_s), self.duration_s)
+        time = np.linspace(0.0, duration, max(2, round(duration / RMS_SPACING_S) + 1))
+        signal = self.signal(time)
+        pose = pose_of(signal)
+        swing = np.std(signal.position - time[:, np.newaxis] * self.drift, axis=0)
+        roll_rate = float(np.std(signal.rate[:, 3]))
+        lateral = np.einsum("nj,nj->n", pose.R_NS[:, :, 1], pose.a_NS_N)
+        return DeckRms(
+            roll_deg=math.degrees(swing[3]),
+            pitch_deg=math.degrees(swing[4]),
+            heave_m=float(swing[2]),
+            vertical_velocity_m_s=float(np.std(pose.v_NS_N[:, 2])),
+            vertical_acceleration_g=float(np.std(pose.a_NS_N[:, 2])) / GRAVITY,
+            lateral_acceleration_g=float(np.std(lateral)) / GRAVITY,
+            lateral_specific_force_g=float(np.std(pose.specific_force_S(GRAVITY)[:, 1])) / GRAVITY,
+            roll_period_s=2.0 * math.pi * float(swing[3]) / roll_rate if roll_rate > 0.0 else math.nan,
+        )
 
     def bake(
         self,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import (
+    EULER_ORDERS,
     EulerOrder,
     FloatArray,
     angles_from_rotation,
@@ -25,7 +26,6 @@ DEGREE: Final = 5  # of the spline through the samples: accelerations are smooth
 DETREND: Final = True  # unless a configuration says otherwise: a deck table is in the steadily translating mean frame
 MARGIN: Final = 3  # samples at each end left out of the comparison: a spline's derivatives are weakest there
 NOTICEABLE: Final = 0.02  # share of a column's own size from which a discrepancy is worth a warning
-_OTHER: Final[dict[Rates, Rates]] = {"body": "euler", "euler": "body"}
 NEGLIGIBLE: Final = 1e-6  # rad/s, rad/s2, m/s2: a column smaller than this is zero
 
 
@@ -76,10 +76,9 @@ class RecordedMotion(Motion):
     ):
         from scipy.interpolate import make_interp_spline  # here, so that importing the package stays quick
 
-        n = len(record.angles)
-        time = record.step_s * np.arange(n)
-        given = np.unwrap(record.angles, axis=0)
-        angles = given if order == "zyx" else np.unwrap(angles_from_rotation(rotation(given, order)), axis=0)
+        time = record.step_s * np.arange(len(record.angles), dtype=np.float64)
+        given: FloatArray = np.unwrap(record.angles, axis=0)
+        angles = _in_zyx(given, order)
         if detrend:
             heading = float(np.mean(angles[:, 2]))
             angles = angles - np.array([0.0, 0.0, heading])
@@ -95,12 +94,11 @@ class RecordedMotion(Motion):
         self._removed = line if detrend else np.zeros_like(line)
         self._mean = np.concatenate([line[0] - self._removed[0], np.mean(angles, axis=0)])
         self._drift = np.concatenate([line[1] - self._removed[1], np.zeros(3)])
-        self._rates = rates
-        in_order = make_interp_spline(time, given, k=DEGREE)
-        euler = (np.asarray(in_order(time, 1)), np.asarray(in_order(time, 2)))
-        self.discrepancies = _compare(record, _expected(self.signal(time), rates, euler))
-        other = _compare(record, _expected(self.signal(time), _OTHER[rates], euler))
-        self._other_fits = _worst(other[:3]) < 0.5 * _worst(self.discrepancies[:3])
+        self._convention = f"rates: {rates}" + (f", euler_order: {order}" if order != "zyx" else "")
+        turn, turn_rate = _turning(time, given, rates, order)
+        expected = np.concatenate([turn, np.asarray(self._velocity(time, 1)), turn_rate], axis=1)
+        self.discrepancies = _compare(record, expected)
+        self._better = None if self.consistent else _better(record, time, given, _worst(self.discrepancies[:3]))
 
     @property
     def mean(self) -> FloatArray:
@@ -141,39 +139,65 @@ class RecordedMotion(Motion):
         return _worst(self.discrepancies) <= NOTICEABLE
 
     def report(self) -> str:
-        """The comparison as text: a line for each of the columns 8-16, and a hint where `rates` looks wrong."""
+        """The comparison as text: a line for each of the columns 8-16, and a hint where another convention fits."""
         lines = [
-            f"motion file {self.name}: columns against the derivatives of angles and velocities (rates: {self._rates})"
+            f"motion file {self.name}: columns against the derivatives of angles and velocities ({self._convention})"
         ]
         lines += [
             f"  {d.name}: RMS difference {d.rms:.3g} of {d.scale:.3g} {d.unit} ({100.0 * d.share:.1f} %)"
             for d in self.discrepancies
         ]
-        if self._other_fits and not self.consistent:
-            lines.append(f"  columns 8-10 agree better with rates: {_OTHER[self._rates]}")
+        if self._better is not None:
+            lines.append(f"  columns 8-10 agree better with {self._better}")
         return "\n".join(lines)
 
 
-def _expected(signal: Signal, rates: Rates, euler: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """What columns 8-16 should hold (n, 9), SI; `euler` are the derivatives of the angles in the file's sequence."""
-    q, qd, qdd = (part[:, 3:] for part in signal)
-    if rates == "body":
-        turn, turn_rate = angular_velocity(q, qd), angular_acceleration(q, qd, qdd)
-    else:
-        turn, turn_rate = euler
-    return np.concatenate([turn, signal.acceleration[:, :3], turn_rate], axis=1)
+def _in_zyx(angles: FloatArray, order: EulerOrder) -> FloatArray:
+    """Continuous z-y-x angles (n, 3) [rad] of the attitudes that the file's angles describe."""
+    if order == "zyx":
+        return angles
+    return np.asarray(np.unwrap(angles_from_rotation(rotation(angles, order)), axis=0), dtype=np.float64)
+
+
+def _turning(time: FloatArray, angles: FloatArray, rates: Rates, order: EulerOrder) -> tuple[FloatArray, FloatArray]:
+    """What columns 8-10 [rad/s] and 14-16 [rad/s2] should hold, each (n, 3), if the file's angles are right."""
+    from scipy.interpolate import make_interp_spline
+
+    used = angles if rates == "euler" else _in_zyx(angles, order)
+    spline = make_interp_spline(time, used, k=DEGREE)
+    qd, qdd = np.asarray(spline(time, 1)), np.asarray(spline(time, 2))
+    if rates == "euler":  # of the angles as they stand in the file, whatever their sequence
+        return qd, qdd
+    return angular_velocity(used, qd), angular_acceleration(used, qd, qdd)
+
+
+def _better(record: ShipmoRecord, time: FloatArray, angles: FloatArray, found: float) -> str | None:
+    """The setting of rates and euler_order, as text, with which columns 8-10 fit at least twice as well, if any."""
+    fits = {}
+    for rates, order in [("euler", "zyx"), *(("body", order) for order in EULER_ORDERS)]:
+        turn, _ = _turning(time, angles, cast(Rates, rates), cast(EulerOrder, order))
+        text = "rates: euler" if rates == "euler" else f"rates: body, euler_order: {order}"
+        rms, size = _differences(record.rates, turn)
+        fits[text] = float(np.max(np.where(size > NEGLIGIBLE, rms / np.maximum(size, NEGLIGIBLE), 0.0)))
+    best = min(fits, key=lambda text: fits[text])
+    return best if fits[best] < 0.5 * found else None
 
 
 def _compare(record: ShipmoRecord, expected: FloatArray) -> tuple[Discrepancy, ...]:
-    """One entry for each of the columns 8-16, the first and last few rows left out."""
+    """One entry for each of the columns 8-16."""
     found = np.concatenate([record.rates, record.acceleration, record.rate_derivatives], axis=1)
-    inner = slice(MARGIN, -MARGIN) if len(found) > 4 * MARGIN else slice(None)
-    size = np.sqrt(np.mean(np.stack([found[inner], expected[inner]]) ** 2, axis=1)).max(axis=0)
-    rms = np.sqrt(np.mean((found[inner] - expected[inner]) ** 2, axis=0))
+    rms, size = _differences(found, expected)
     units = ("rad/s", "m/s2", "rad/s2")
     return tuple(
         Discrepancy(COLUMNS[7 + k][1].split(" [")[0], units[k // 3], float(rms[k]), float(size[k])) for k in range(9)
     )
+
+
+def _differences(found: FloatArray, expected: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """RMS of the difference and of the larger of the two, column by column, without the first and last few rows."""
+    inner = slice(MARGIN, -MARGIN) if len(found) > 4 * MARGIN else slice(None)
+    size = np.sqrt(np.mean(np.stack([found[inner], expected[inner]]) ** 2, axis=1)).max(axis=0)
+    return np.sqrt(np.mean((found[inner] - expected[inner]) ** 2, axis=0)), size
 
 
 def _worst(discrepancies: tuple[Discrepancy, ...]) -> float:

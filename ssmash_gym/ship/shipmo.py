@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -20,7 +21,7 @@ import numpy as np
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import MotionSource, MotionTable, Signal, pose_of, positive
+from ssmash_gym.ship.motion import Motion, MotionSource, MotionTable, Signal, pose_of, positive
 
 Rates = Literal["body", "euler"]
 
@@ -45,6 +46,7 @@ COLUMNS: Final = (
 FEWEST_ROWS: Final = 8  # the interpolating spline needs six; two more keep its ends in check
 STEP_TOLERANCE: Final = 0.05  # share of the time step by which a printed time may be off (rounding in the file)
 COMMENTS: Final = ("#", "%", "!")
+BLOCK: Final = 2048  # rows that are worked out at a time: what a half-hour record needs at once stays small
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def read_shipmo(path: str | Path) -> ShipmoRecord:
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8", errors="replace")
+        text = file.read_text(encoding="utf-8-sig", errors="replace")  # spreadsheets put a byte-order mark first
     except OSError as error:
         raise ConfigurationError(f"motion file {file}: cannot be read ({error.strerror or error})") from error
     rows: list[list[float]] = []
@@ -100,6 +102,11 @@ def read_shipmo(path: str | Path) -> ShipmoRecord:
             continue
         rows.append(_row(file, number, fields))
         lines.append(number)
+    if not rows:
+        what = "empty" if not text.strip() else "without a row of numbers"
+        raise ConfigurationError(
+            f"motion file {file}: it is {what}, allowed are {FEWEST_ROWS} or more rows of {len(COLUMNS)} columns"
+        )
     if len(rows) < FEWEST_ROWS:
         raise ConfigurationError(
             f"motion file {file}: it holds {len(rows)} rows of numbers, allowed are {FEWEST_ROWS} or more"
@@ -168,6 +175,8 @@ def write_shipmo(
     duration: float,
     *,
     rates: Rates = "body",
+    comments: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Write a record of deck motion in SHIPMO columns.
 
@@ -181,6 +190,8 @@ def write_shipmo(
         duration: Length of the record [s]; rows run from 0 to the last multiple of `dt` within it.
         rates: What columns 8-10 and 14-16 hold: angular velocity and its derivative in ship axes, or the derivatives
             of the angles.
+        comments: Lines that head the file, each behind a ``#``; the thesis' program does not pass over them.
+        progress: Called now and then with the share of the rows that is done, rising to 1; for long records.
 
     Returns:
         The path.
@@ -194,13 +205,32 @@ def write_shipmo(
     count = math.floor(positive("write_shipmo", "duration", duration) / step + 1e-9) + 1
     if rates not in ("body", "euler"):
         raise ConfigurationError(f"write_shipmo: rates is {rates!r}, allowed are 'body' and 'euler'")
-    time = step * np.arange(count)
-    columns = _columns(motion.at(time) if isinstance(motion, MotionTable) else motion.realise().signal(time), rates)
+    deck = motion if isinstance(motion, MotionTable) else motion.realise()
     separator = "," if file.suffix.lower() == ".csv" else " "
-    lines = [separator.join(name for name, _ in COLUMNS)] if separator == "," else []
-    lines += [separator.join([f"{t:.10g}", *(f"{v:.12g}" for v in row)]) for t, row in zip(time, columns, strict=True)]
+    lines = [f"# {line}" for line in comments]
+    lines += [separator.join(name for name, _ in COLUMNS)] if separator == "," else []
+    for first in range(0, count, BLOCK):
+        rows = min(BLOCK, count - first)
+        time = step * np.arange(first, first + rows, dtype=np.float64)
+        columns = _columns(_signal(deck, time, step), rates)
+        lines += [
+            separator.join([f"{t:.10g}", *(f"{v:.12g}" for v in row)])
+            for t, row in zip(time.tolist(), columns.tolist(), strict=True)
+        ]
+        if progress is not None:
+            progress((first + rows) / count)
     _replace(file, "\n".join(lines) + "\n")
     return file
+
+
+def _signal(deck: MotionTable | Motion, time: FloatArray, step: float) -> Signal:
+    """The motion at evenly spaced times."""
+    if isinstance(deck, MotionTable):
+        return deck.at(time)
+    try:
+        return deck.sample(float(time[0]), step, len(time))
+    except ConfigurationError:  # a step too wide for a table to be interpolated; a record may have it
+        return deck.signal(time)
 
 
 def _columns(signal: Signal, rates: Rates) -> FloatArray:

@@ -17,18 +17,21 @@ from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
 from ssmash_gym.dynamics.layout import PARAMETER_ROWS, STATE_ROWS, ClawDrive, Mode, State
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation import settle as settling
-from ssmash_gym.simulation.claw import ClawLimits, write_drive, write_history
-from ssmash_gym.simulation.parameters import Modes, droop_state, mode_vector, parameter_column
+from ssmash_gym.simulation import tables as node_tables
+from ssmash_gym.simulation.claw import ClawLimits, history_nodes, write_drive, write_history
+from ssmash_gym.simulation.parameters import Modes, common_mode, droop_state, parameter_column
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.simulation.timing import Timing
 
 if TYPE_CHECKING:
     from ssmash_gym.ship import MotionTable
+    from ssmash_gym.ship.wind import GustTable
     from ssmash_gym.vehicle import Helicopter
 
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
 DECK_COLUMNS = 18
+NO_GUST = np.zeros((2, 3))
 
 
 @dataclass(frozen=True)
@@ -58,8 +61,8 @@ class Batch:
         ConfigurationError: the descriptions differ in layout.
     """
 
-    _SAVED = ("state", "parameters", "_commands", "clocks", "_nodes", "_ends", "_claw_nodes", "_outputs", "_highs",
-              "_lows", "_mode")  # fmt: skip
+    _SAVED = ("state", "parameters", "_commands", "clocks", "_nodes", "_ends", "_gust_nodes", "_gust_ends",
+              "_claw_nodes", "_outputs", "_highs", "_lows", "_mode")  # fmt: skip
 
     def __init__(
         self,
@@ -92,7 +95,9 @@ class Batch:
         self._commands: Array = np.zeros((2 * history, self.n))
         self.clocks: Columns = np.zeros(self.n, np.int64)
         self._nodes: Array = np.zeros((self.n, 2, DECK_COLUMNS))
-        self._ends: Columns = np.full(self.n, np.iinfo(np.int64).max)  # last substep each table covers
+        self._ends: Columns = np.full(self.n, node_tables.ENDLESS)  # last substep each table covers
+        self._gust_nodes: Array = np.zeros((self.n, *NO_GUST.shape))
+        self._gust_ends: Columns = np.full(self.n, node_tables.ENDLESS)
         self._claw_nodes: Array = np.zeros((self.n, 2, 9))
         self._outputs: Array = np.zeros((OUTPUT_ROWS, self.n))
         self._highs: Array = np.zeros((OUTPUT_ROWS, self.n))
@@ -146,35 +151,47 @@ class Batch:
         """The integers that say what kind of helicopter and model this batch holds, (MODES,)."""
         return self._mode
 
+    @property
+    def gust_nodes(self) -> Array:
+        """Nodes of the gust speed [m/s], its rate and acceleration, (N, nodes, 3); zero where there is no gust."""
+        return self._gust_nodes
+
     def set_motion(self, tables: Sequence[MotionTable], columns: ArrayLike | None = None) -> None:
-        """Give each listed column its deck motion; its clock starts anew, and commands not yet acted on are dropped.
+        """Give each listed column its deck motion; its clock starts anew.
+
+        Commands not yet acted on and earlier gusts are dropped: `set_gusts` comes after.
 
         Raises:
             ConfigurationError: a table's node spacing is not the batch's (`Timing.node_spacing_s`).
         """
         chosen = self.columns(columns)
-        spacing = self.timing.node_spacing_s
-        for table in tables:
-            if abs(table.spacing_s - spacing) > 1e-9:
-                raise ConfigurationError(f"deck-motion table: node spacing {table.spacing_s} s, must be {spacing} s")
-        longest = 1 + max(table.nodes.shape[0] for table in tables)  # a held node follows the last one
-        if longest > self._nodes.shape[1]:
-            self._lengthen(longest)
-        for k, table in zip(chosen, tables, strict=True):
-            count = table.nodes.shape[0]
-            self._nodes[k, :count] = table.nodes
-            self._nodes[k, count:] = 0.0
-            self._nodes[k, count:, :6] = table.nodes[-1, :6]
-            still = not np.any(table.nodes[:, 6:]) and np.all(table.nodes[:, :6] == table.nodes[0, :6])
-            self._ends[k] = np.iinfo(np.int64).max if still else (count - 1) * self.timing.substeps_per_node
+        node_tables.check_spacing(tables, self.timing.node_spacing_s, "deck-motion")
+        self._nodes = node_tables.put(self._nodes, chosen, [table.nodes for table in tables])
+        self._ends[chosen] = [node_tables.last_substep(t.nodes, self.timing.substeps_per_node) for t in tables]
+        self._gust_nodes[chosen] = 0.0
+        self._gust_ends[chosen] = node_tables.ENDLESS
         self.clocks[chosen] = 0
         self._commands[:, chosen] = 0.0
 
-    def _lengthen(self, nodes: int) -> None:
-        """Make room for longer tables; the decks stand still after their last node."""
-        more = np.zeros((self.n, nodes - self._nodes.shape[1], DECK_COLUMNS))
-        more[:, :, :6] = self._nodes[:, -1:, :6]
-        self._nodes = np.concatenate([self._nodes, more], axis=1)
+    def set_gusts(self, tables: Sequence[GustTable | None] | None, columns: ArrayLike | None = None) -> None:
+        """Give each listed column its gusts, on the clock of its deck motion.
+
+        The wind is ``WIND + g(t) GUST``, g the table's gust speed and `Par.GUST` the direction it blows in: rows of
+        `parameters` that the caller sets beside `Par.WIND`.
+
+        Args:
+            tables: one a column, None for a column without gusts; None in all means that no listed column has any.
+            columns: helicopters; None means all.
+
+        Raises:
+            ConfigurationError: a table's node spacing is not the batch's (`Timing.node_spacing_s`).
+        """
+        chosen = self.columns(columns)
+        given = [None] * chosen.size if tables is None else list(tables)
+        node_tables.check_spacing([table for table in given if table is not None], self.timing.node_spacing_s, "gust")
+        nodes = [NO_GUST if table is None else table.nodes for table in given]
+        self._gust_nodes = node_tables.put(self._gust_nodes, chosen, nodes)
+        self._gust_ends[chosen] = [node_tables.last_substep(n, self.timing.substeps_per_node) for n in nodes]
 
     def prescribe_claw(self, nodes: ArrayLike) -> None:
         """Replace the commanded claw by a prescribed history for the whole batch.
@@ -182,13 +199,11 @@ class Batch:
         Args:
             nodes: (N, nodes, 9): x, y, z of the claw centre in S [m], their rates and accelerations, at the node
                 spacing of the batch from the start of the deck-motion table; the last node is held.
+
+        Raises:
+            ConfigurationError: the nodes have another shape.
         """
-        table = np.array(nodes, dtype=np.float64)
-        if table.ndim != 3 or table.shape[0] != self.n or table.shape[1] < 2 or table.shape[2] != 9:
-            raise ConfigurationError(f"claw nodes: shape {table.shape}, must be ({self.n}, at least 2, 9)")
-        held = table[:, -1:, :].copy()
-        held[:, :, 3:] = 0.0
-        self._claw_nodes = np.concatenate([table, held, held], axis=1)
+        self._claw_nodes = history_nodes(nodes, self.n)
         self._mode[Mode.CLAW] = ClawDrive.PRESCRIBED
 
     # --- where they are ------------------------------------------------------------------------------------
@@ -251,7 +266,9 @@ class Batch:
                           self.timing.substep_s, decks)  # fmt: skip
         else:
             write_drive(self.state[:, columns], self.parameters[:, columns], self.time_s[columns], decks)
-        engine.write_wind(self.parameters[:, columns], self.time_s[columns], decks)
+        pieces, since = np.divmod(self.clocks[columns], self.timing.substeps_per_node)
+        engine.write_wind(self.parameters[:, columns], self._gust_nodes[columns], pieces,
+                          since * self.timing.substep_s, spacing, decks)  # fmt: skip
         return decks
 
     # --- time ------------------------------------------------------------------------------------------------
@@ -271,8 +288,8 @@ class Batch:
             The telemetry of the whole batch; only the listed columns have changed.
 
         Raises:
-            ValueError: a command is not finite or beyond +-1, there is no interval to run, or a deck-motion table
-                ends before the last one does.
+            ValueError: a command is not finite or beyond +-1, there is no interval to run, or a table ends before
+                the last one does.
         """
         if self._mode[Mode.CLAW] == ClawDrive.PRESCRIBED and self._claw_nodes.shape[1] == 2:
             raise ConfigurationError("modes.claw = 'prescribed': give the claw's history by prescribe_claw first")
@@ -284,20 +301,21 @@ class Batch:
             raise ValueError(f"intervals: must be at least 1, got {intervals}")
         pick = slice(None) if columns is None else chosen  # a slice spares the copies of a whole batch
         substeps = self.timing.substeps
-        late = self.clocks[pick] + substeps * intervals > self._ends[pick]
+        late = self.clocks[pick] + substeps * intervals > np.minimum(self._ends, self._gust_ends)[pick]
         if late.any():
             k = int(chosen[np.argmax(late)])
-            end = self._ends[k] * self.timing.substep_s
-            raise ValueError(f"the deck motion of helicopter {k} ends at {end:g} s; bake a longer table")
+            end, what = min((self._ends[k], "deck motion"), (self._gust_ends[k], "gust table"))
+            end_s = end * self.timing.substep_s
+            raise ValueError(f"the {what} of helicopter {k} ends at {end_s:g} s; bake a longer table")
         parts = self._parts(values.T, chosen, intervals)
         highs, lows = [], []
         for part in parts:
             self._commands[2:, pick] = self._commands[:-2, pick]
             self._commands[:2, pick] = values.T
             engine.advance(
-                self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes, self.clocks,
-                chosen, part * substeps, self.timing.substep_s, self.timing.substeps_per_node,
-                self._outputs, self._highs, self._lows, self.threads,
+                self.state, self.parameters, self._commands, self._mode, self._nodes, self._claw_nodes,
+                self._gust_nodes, self.clocks, chosen, part * substeps, self.timing.substep_s,
+                self.timing.substeps_per_node, self._outputs, self._highs, self._lows, self.threads,
             )  # fmt: skip
             if len(parts) > 1:
                 highs.append(self._highs[:, chosen])
@@ -353,16 +371,12 @@ class Batch:
             raise ConfigurationError("columns can only be taken from a batch of the same timing and longest delay")
         if np.any(other._mode != self._mode) or other._claw_nodes.shape[1] != self._claw_nodes.shape[1]:
             raise ConfigurationError("columns can only be taken from a batch of the same layout and modes")
-        longest = other._nodes.shape[1]
-        if longest > self._nodes.shape[1]:
-            self._lengthen(longest)
+        self._nodes = node_tables.take(self._nodes, here, other._nodes, there)
+        self._gust_nodes = node_tables.take(self._gust_nodes, here, other._gust_nodes, there)
         for name in ("state", "parameters", "_commands", "_outputs", "_highs", "_lows"):
             getattr(self, name)[:, here] = getattr(other, name)[:, there]
-        for name in ("clocks", "_ends", "_claw_nodes"):
+        for name in ("clocks", "_ends", "_gust_ends", "_claw_nodes"):
             getattr(self, name)[here] = getattr(other, name)[there]
-        self._nodes[here, :longest] = other._nodes[there]
-        self._nodes[here, longest:] = 0.0
-        self._nodes[here, longest:, :6] = other._nodes[there, -1:, :6]
         for k, i in zip(here, there, strict=True):
             self.helicopters[k] = other.helicopters[i]
 
@@ -373,7 +387,7 @@ class Batch:
             [self.helicopters[i] for i in copies], timing=self.timing, modes=self.modes, claw=self.claw,
             threads=self.threads, longest_delay_s=self.longest_delay_s,
         )  # fmt: skip
-        along_first = {"clocks", "_nodes", "_ends", "_claw_nodes"}
+        along_first = {"clocks", "_nodes", "_ends", "_gust_nodes", "_gust_ends", "_claw_nodes"}
         for name in self._SAVED:
             array = getattr(self, name)
             if name == "_mode":
@@ -381,19 +395,6 @@ class Batch:
             else:
                 setattr(other, name, array[copies].copy() if name in along_first else array[:, copies].copy())
         return other
-
-
-def common_mode(helicopters: Sequence[Helicopter], modes: Modes) -> Columns:
-    """The mode vector shared by all descriptions.
-
-    Raises:
-        ConfigurationError: they differ (one batch has one layout).
-    """
-    vectors = [mode_vector(h, modes) for h in {id(h): h for h in helicopters}.values()]
-    if any(np.any(v != vectors[0]) for v in vectors):
-        names = ", ".join(sorted({h.name for h in helicopters}))
-        raise ConfigurationError(f"helicopters of one batch must have one layout (stations, springs, tires): {names}")
-    return np.asarray(vectors[0])
 
 
 __all__ = ["Batch", "ClawLimits", "Modes", "Out", "Snapshot", "Timing"]

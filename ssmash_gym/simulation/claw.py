@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.dynamics.claw import place_claw
 from ssmash_gym.dynamics.deck import COEFFICIENTS, gather_piece, prescribed_claw
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import Par
+from ssmash_gym.errors import ConfigurationError
 
 Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -61,6 +62,20 @@ class ClawLimits(BaseModel):
         }
         for row, value in rows.items():
             column[row] = value
+
+
+def history_nodes(nodes: ArrayLike, count: int) -> Array:
+    """Nodes of prescribed claws (count, nodes, 9) with the last one held behind them.
+
+    Raises:
+        ConfigurationError: the nodes have another shape.
+    """
+    table = np.array(nodes, dtype=np.float64)
+    if table.ndim != 3 or table.shape[0] != count or table.shape[1] < 2 or table.shape[2] != 9:
+        raise ConfigurationError(f"claw nodes: shape {table.shape}, must be ({count}, at least 2, 9)")
+    held = table[:, -1:, :].copy()
+    held[:, :, 3:] = 0.0
+    return np.concatenate([table, held, held], axis=1)
 
 
 def write_drive(state: Array, parameters: Array, time_s: Array, decks: Array) -> None:

@@ -6,6 +6,7 @@ Claw, ripple and external wrenches belong to the scenario: their rows stay 0 her
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
@@ -35,7 +36,7 @@ from ssmash_gym.dynamics.layout import (
     TireModel,
 )
 from ssmash_gym.dynamics.oleo import region2_constants
-from ssmash_gym.errors import refusal
+from ssmash_gym.errors import ConfigurationError, refusal
 from ssmash_gym.vehicle.description import Helicopter
 from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_length
 from ssmash_gym.vehicle.oleo import GasOleo, LinearStrut
@@ -106,6 +107,19 @@ def mode_vector(helicopter: Helicopter, modes: Modes | None = None) -> NDArray[n
     vector[Mode.PROBE_LAW] = modes.number("probe_law")
     vector[Mode.CLAW] = modes.number("claw")
     return vector
+
+
+def common_mode(helicopters: Sequence[Helicopter], modes: Modes) -> NDArray[np.int64]:
+    """The mode vector shared by all descriptions.
+
+    Raises:
+        ConfigurationError: they differ: one batch has one layout.
+    """
+    vectors = [mode_vector(h, modes) for h in {id(h): h for h in helicopters}.values()]
+    if any(np.any(v != vectors[0]) for v in vectors):
+        names = ", ".join(sorted({h.name for h in helicopters}))
+        raise ConfigurationError(f"helicopters of one batch must have one layout (stations, springs, tires): {names}")
+    return np.asarray(vectors[0])
 
 
 def parameter_column(helicopter: Helicopter) -> Array:

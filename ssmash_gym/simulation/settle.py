@@ -185,11 +185,11 @@ def relax(batch: Batch, columns: Columns, seconds: float) -> None:
     substeps = max(1, round(_RELAX_S / dt))
     outputs, highs, lows = (np.zeros((batch.telemetry.outputs.shape[0], batch.n)) for _ in range(3))
     commands = np.zeros((2, batch.n))
-    claw_nodes = np.zeros((batch.n, 2, 9))
+    claw_nodes, gust_nodes = np.zeros((batch.n, 2, 9)), np.zeros((batch.n, 2, 3))
     for _ in range(round(seconds / (substeps * dt))):
         engine.advance(
-            batch.state, batch.parameters, commands, mode, still, claw_nodes, clocks, columns, substeps, dt,
-            substeps * 1000, outputs, highs, lows, batch.threads,
+            batch.state, batch.parameters, commands, mode, still, claw_nodes, gust_nodes, clocks, columns, substeps,
+            dt, substeps * 1000, outputs, highs, lows, batch.threads,
         )  # fmt: skip
         batch.state[:SPEEDS, columns] *= _KEEP
         batch.state[State.TIRE : State.CLAW_X, columns] = 0.0

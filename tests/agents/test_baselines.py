@@ -130,7 +130,7 @@ def test_an_observation_without_what_is_read_is_refused() -> None:
 
 
 def test_yielding_takes_much_of_the_load_off_on_a_rough_deck() -> None:
-    scenario = load_scenario("sea_state_5_like")
+    scenario = load_scenario("ss5")
     seeds = list(range(900, 912))
     peaks = {
         name: run_episodes(make_baseline(name, TASK), scenario, seeds)["scored_peak_kN"].to_numpy()

@@ -15,7 +15,7 @@ def short() -> dict[str, Any]:
     return {
         "task": {"horizon_s": 0.5, "lead_in": {"duration_s": 2.0, "ramp_s": 2.0}, "grace_s": 0.1},
         "scenario": {
-            "motion": {"severity": 5.0},
+            "motion": {"hs_m": {"uniform": [0.5, 1.5]}, "components": 24},
             "claw": {"delay_s": {"uniform": [0.0, 0.2]}},
             "sensors": {"noise": 1.0, "delay_s": {"uniform": [0.0, 0.15]}},
         },

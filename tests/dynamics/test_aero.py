@@ -61,25 +61,27 @@ def test_wind_does_work_on_what_drifts_slower_and_is_odd(v: tuple, u: tuple) -> 
     np.testing.assert_array_equal(F, -force(-np.array(v), -np.array(u)))
 
 
-def placed(gust: object, time: object, gusty: int = 1) -> np.ndarray:
-    """Wind rows at the times, (3, n)."""
-    times = np.atleast_1d(np.asarray(time, dtype=float))
-    p, d = np.zeros((PARAMETER_ROWS, times.size)), np.full((DECK_ROWS, times.size), 99.0)
+PIECE = np.array([0.6, -1.1, 0.4, 2.0, -3.0, 0.7])  # coefficients of a gust speed's quintic
+
+
+def placed(direction: object, since: object, gusty: int = 1) -> np.ndarray:
+    """Wind rows at times since the piece's first node, (3, n)."""
+    t = np.atleast_1d(np.asarray(since, dtype=float))
+    p, d = np.zeros((PARAMETER_ROWS, t.size)), np.full((DECK_ROWS, t.size), 99.0)
     p[Par.WIND : Par.WIND + 3] = np.array([3.0, -8.0, 0.5])[:, None]
-    p[Par.GUST : Par.GUST + 3] = np.asarray(gust, dtype=float)[:, None]
-    p[Par.GUST_OMEGA], p[Par.GUST_PHASE] = 2.0 * np.pi / 5.0, 0.7
-    uncompiled(place_wind)(p, gusty, times, d)
+    p[Par.GUST : Par.GUST + 3] = np.asarray(direction, dtype=float)[:, None]
+    uncompiled(place_wind)(p, gusty, np.repeat(PIECE[:, None], t.size, axis=1), t, d)
     assert np.all(d[: Deck.WIND] == 99.0)
     return d[Deck.WIND : Deck.WIND + 3]
 
 
-def test_a_gust_swings_about_the_mean_wind_with_its_period() -> None:
-    times = np.linspace(0.0, 5.0, 41)[:-1]
-    wind_N = placed((1.0, 2.0, 0.0), times)
-    np.testing.assert_allclose(wind_N.mean(axis=1), (3.0, -8.0, 0.5), atol=1e-12)
-    np.testing.assert_allclose(wind_N[1], -8.0 + 2.0 * np.sin(2.0 * np.pi * times / 5.0 + 0.7), atol=1e-12)
-    np.testing.assert_allclose(placed((1.0, 2.0, 0.0), times + 5.0), wind_N, atol=1e-12)
-    assert np.array_equal(placed((0.0, 0.0, 0.0), times), placed((0.0, 0.0, 0.0), times, gusty=0))  # bit for bit
+def test_a_gust_adds_its_speed_along_its_direction() -> None:
+    t = np.linspace(0.0, 0.25, 11)
+    speed = np.polynomial.polynomial.polyval(t, PIECE)
+    expected = np.array([3.0, -8.0, 0.5])[:, None] + np.array([0.6, 0.8, 0.0])[:, None] * speed
+    np.testing.assert_allclose(placed((0.6, 0.8, 0.0), t), expected, atol=1e-14)
+    assert np.ptp(speed) > 0.1
+    assert np.array_equal(placed((0.0, 0.0, 0.0), t), placed((0.6, 0.8, 0.0), t, gusty=0))  # bit for bit
 
 
 @kernel

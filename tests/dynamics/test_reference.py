@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,7 @@ from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
 from ssmash_gym.dynamics.layout import ODE_ROWS, SPEEDS, STATE_ROWS, Par, State
 from ssmash_gym.dynamics.reference import Problem, integrate
 from ssmash_gym.ship import Sinusoid
+from ssmash_gym.ship.wind import Gust
 from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
 from ssmash_gym.vehicle import load_helicopter
 
@@ -127,10 +129,12 @@ def test_what_is_locked_stays() -> None:
 
 def test_the_reference_meets_the_same_gust() -> None:
     batch = prepared("generic_tricycle", 0.001, start_clock=400)
-    batch.parameters[Par.WIND + 1] = 8.0
-    batch.parameters[Par.GUST + 1] = 5.0
-    batch.parameters[Par.GUST_OMEGA], batch.parameters[Par.GUST_PHASE] = 4.0, 0.3
-    expected = integrate(problem(batch, np.zeros((5, 2))), rtol=1e-7, atol=1e-9)
+    batch.parameters[Par.WIND + 1], batch.parameters[Par.GUST + 1] = 8.0, 1.0
+    gust = Gust.draw(20.0, 0.25, np.random.default_rng(4))
+    batch.set_gusts([gust.bake(3.0, batch.timing.node_spacing_s)])
+    given = problem(batch, np.zeros((5, 2)))
+    calm = integrate(given, rtol=1e-7, atol=1e-9)
+    expected = integrate(replace(given, gust_nodes=batch.gust_nodes[0].copy()), rtol=1e-7, atol=1e-9)
     rows = []
     for k in range(5):
         batch.advance()
@@ -138,3 +142,4 @@ def test_the_reference_meets_the_same_gust() -> None:
     engine, reference = np.array(rows).T
     np.testing.assert_allclose(engine, reference, rtol=1e-4)
     assert np.ptp(reference) > 0.3 * np.mean(reference)
+    assert np.max(np.abs(calm.outputs[Out.WIND_FY] / calm.outputs[Out.WIND_FY, 0] - 1.0)) < 0.1

@@ -65,7 +65,7 @@ def test_how_fast_the_ship_goes_matters_to_the_wind_only(name: str) -> None:
     moving[Deck.V_NS_N : Deck.V_NS_N + 3, 0] += [9.0, -4.0, 1.0]
 
     def rates(rows: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        engine.write_wind(parameters, np.zeros(1), rows)
+        engine.write_wind(parameters, batch.gust_nodes, np.zeros(1, np.int64), np.zeros(1), 0.25, rows)
         return engine.derivative(batch.state, parameters, batch.mode, rows)[0]
 
     vacuum = batch.parameters.copy()

@@ -13,7 +13,9 @@ from ssmash_gym.envs import load_scenario, load_task
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.motions import IrregularMotion
 from ssmash_gym.envs.scenario import ScenarioConfig
+from ssmash_gym.envs.seaways import SeawayMotions
 from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.envs.winds import FreeWind, SeaWind
 from ssmash_gym.vehicle import load_helicopter
 
 # A short way to a near goal, which is reached and held in time; every term and limit has something to say.
@@ -33,6 +35,11 @@ SEA = {
     "roll": {"rms": [0.3, 0.6], "period_s": [9.0, 10.0]},
 }
 SCENARIO: dict[str, Any] = {"base": "flat", "motion": SEA, "start": {"yaw_deg": 0.4, "lateral_m": 0.03}}
+SEAWAY: dict[str, Any] = {
+    "base": "flat",
+    "motion": {"type": "seaway", "hs_m": 1.0, "heading_deg": 70.0, "speed_kn": 10.0, "components": 24},
+    "wind": {"type": "sea", "gust_intensity": 0.1},
+}
 
 HELICOPTER = load_helicopter("generic_tricycle")  # read once
 Change = tuple[Any, dict[str, Any]]  # the other value, and what must be so for it to matter
@@ -94,9 +101,7 @@ SCENARIO_CHANGES: dict[str, Change] = {
     "wind.speed_mps": (10.0, {}),
     "wind.from_deg": (90.0, {"wind.speed_mps": 10.0}),
     "wind.ship_speed_mps": (5.0, {}),
-    "wind.gust_mps": (5.0, {"wind.gust_phase_deg": 60.0}),
-    "wind.gust_period_s": (6.0, {"wind.gust_mps": 5.0}),
-    "wind.gust_phase_deg": (90.0, {"wind.gust_mps": 5.0}),
+    "wind.gust_intensity": (0.2, {"wind.speed_mps": 10.0}),
     "helicopter.mass_factor": (1.05, {}),
     "helicopter.cg_x_m": (0.05, {}),
     "helicopter.cg_y_m": (0.05, {}),
@@ -120,12 +125,40 @@ SCENARIO_CHANGES: dict[str, Change] = {
 }
 
 
+SEAWAY_CHANGES: dict[str, Change] = {
+    "motion.type": ("fixed", {}),
+    "motion.ship": ("destroyer", {}),
+    "motion.sea_state": (4, {"motion.hs_m": None}),
+    "motion.hs_m": (1.2, {}),
+    "motion.tp_s": (9.0, {}),
+    "motion.tp_factor": (1.1, {}),
+    "motion.lateral_g": (0.05, {"motion.hs_m": {"uniform": [0.5, 4.0]}}),
+    "motion.spectrum": ("jonswap", {}),
+    "motion.gamma": (2.0, {"motion.spectrum": "jonswap"}),
+    "motion.spreading": ("long_crested", {}),
+    "motion.heading_deg": (-70.0, {}),
+    "motion.speed_kn": (12.0, {"wind.type": "free"}),
+    "motion.roll_damping_factor": (1.2, {}),
+    "motion.gm_factor": (1.1, {}),
+    **{f"motion.deck_shift_{axis}_m": (1.0, {}) for axis in "xyz"},
+    "motion.heel_deg": (1.0, {}),
+    "motion.trim_deg": (1.0, {}),
+    "motion.components": (32, {}),
+    "wind.type": ("free", {}),
+    "wind.speed_factor": (1.2, {}),
+    "wind.from_waves_deg": (20.0, {}),
+    "wind.gust_intensity": (0.2, {}),
+}
+
+
 def leaves(model: type[BaseModel], path: str = "") -> Iterator[str]:
-    """Dotted paths of all fields but the descriptions."""
+    """Dotted paths of all fields but the descriptions; motion and wind as of a scenario without a seaway."""
     for name, field in model.model_fields.items():
         part = field.annotation
         if name == "motion":
             yield from (f"motion.{key}" for key in IrregularMotion.model_fields)
+        elif name == "wind":
+            yield from (f"wind.{key}" for key in FreeWind.model_fields if key != "type")
         elif isinstance(part, type) and issubclass(part, BaseModel):
             yield from leaves(part, f"{path}{name}.")
         elif name != "description":
@@ -148,7 +181,7 @@ def laid_over(base: dict[str, Any], *changes: dict[str, Any]) -> dict[str, Any]:
 
 
 def told(task: dict[str, Any], scenario: dict[str, Any], action: tuple[float, float] = (0.5, -0.5)) -> list[Any]:
-    """All that an episode says, the draw apart."""
+    """All that an episode says, apart from the draw and what follows from it without a helicopter."""
     env = TraverseBatch(1, task=task, scenario=scenario, helicopter=HELICOPTER)
     said: list[Any] = [env.reset(seeds=[3]).tolist()]
     k = 0
@@ -156,6 +189,9 @@ def told(task: dict[str, Any], scenario: dict[str, Any], action: tuple[float, fl
         step = env.step([np.array(action) * (1.0 if k % 2 else 0.8)])
         said.append((step.observation.tolist(), float(step.reward[0]), step.info(0)))
         k += 1
+    metrics = said[-1][2]["episode_metrics"]
+    for name in [name for name in metrics if name.startswith("sea_") or name == "within_validity"]:
+        del metrics[name]
     return said
 
 
@@ -172,6 +208,8 @@ def test_the_reference_succeeds(reference: list[Any]) -> None:
 def test_every_field_is_listed() -> None:
     assert set(TASK_CHANGES) == set(leaves(TaskConfig))
     assert set(SCENARIO_CHANGES) == set(leaves(ScenarioConfig))
+    fields = [f"motion.{key}" for key in SeawayMotions.model_fields] + [f"wind.{key}" for key in SeaWind.model_fields]
+    assert set(SEAWAY_CHANGES) == set(fields)
 
 
 @pytest.mark.parametrize("path", TASK_CHANGES)
@@ -200,9 +238,27 @@ def test_field_of_the_scenario(path: str, reference: list[Any]) -> None:
     assert told(task, changed) != before
 
 
+@pytest.fixture(scope="module")
+def in_a_seaway() -> list[Any]:
+    return told(TASK, SEAWAY)
+
+
+@pytest.mark.parametrize("path", SEAWAY_CHANGES)
+def test_field_of_a_seaway_and_its_wind(path: str, in_a_seaway: list[Any]) -> None:
+    value, needs = SEAWAY_CHANGES[path]
+    scenario = laid_over(SEAWAY, *(nested(key, other) for key, other in needs.items()))
+    if path == "motion.type":
+        scenario["motion"], scenario["wind"] = {"type": value}, {"type": "free"}
+        assert told(TASK, scenario) != in_a_seaway
+        return
+    changed = laid_over(scenario, nested(path, value))
+    before = in_a_seaway if path == "motion.sea_state" or scenario == SEAWAY else told(TASK, scenario)
+    assert told(TASK, changed) != before
+
+
 def test_defaults_and_files_agree() -> None:
     """The claw's numbers stand in the task's file and, for a bare batch, in `ClawLimits`: they must be the same."""
     from ssmash_gym.simulation.claw import ClawLimits
 
     assert load_task().claw == ClawLimits()
-    assert load_scenario().motion.type == "irregular"
+    assert load_scenario().motion.type == "seaway"

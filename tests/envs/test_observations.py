@@ -59,7 +59,9 @@ def test_the_sets() -> None:
         for kind in ("tire_vertical_deflection", "tire_lateral_deflection", "vertical_load", "compression"):
             wanted += f" {station}_{kind}"
     assert set(wanted.split()) <= set(names)
-    assert set(names) < {term.name for term in chosen_terms("full")} == set(TERMS)
+    full, forecast = ({term.name for term in chosen_terms(name)} for name in ("full", "forecast"))
+    assert set(names) == full & forecast and full | forecast == set(TERMS)
+    assert full - forecast and forecast - full == {name for name, term in TERMS.items() if term.forecast_of}
     assert [term.name for term in chosen_terms(["yaw", "claw_y"])] == ["yaw", "claw_y"]
     assert make(observation=["yaw", "claw_y"]).reset(seeds=[0]).shape == (1, 2)
 

@@ -16,7 +16,7 @@ from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter, relative_wind, varied, vary
 from ssmash_gym.envs.vector import TraverseVectorEnv
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.ship import Fixed, write_shipmo
+from ssmash_gym.ship import Fixed, parse_motion, write_shipmo
 from ssmash_gym.simulation.parameters import parameter_column
 from ssmash_gym.vehicle import load_helicopter
 
@@ -152,12 +152,98 @@ def test_a_new_seed_discards_what_was_prepared() -> None:
 
 
 def test_a_gust_goes_with_the_true_wind() -> None:
+    """Direction in the parameters; a table of the drawn intensity from the motion's seed, and none without gusts."""
     starter = Starter(load_helicopter("generic_tricycle"), load_task(), load_scenario())
-    draw = flat_draw(wind_from_deg=90.0, wind_gust_mps=3.0, wind_gust_period_s=6.0, wind_gust_phase_deg=30.0)
-    column = starter.column(draw)
-    assert column[Par.GUST : Par.GUST + 3] == pytest.approx([0.0, -3.0, 0.0])
-    assert column[Par.GUST_OMEGA] == pytest.approx(np.pi / 3.0)
-    assert column[Par.GUST_PHASE] == pytest.approx(np.pi / 6.0)
+    draw = flat_draw(wind_from_deg=90.0, wind_speed_mps=12.0, wind_gust_intensity=0.15)
+    assert starter.column(draw)[Par.GUST : Par.GUST + 3] == pytest.approx([0.0, -1.0, 0.0])
+    tables = [starter.decks.gusts(replace(draw, motion_seed=seed)) for seed in range(40)]
+    speeds = np.array([table.nodes[:, 0] for table in tables if table is not None])
+    assert len(speeds) == 40
+    ramp = round(starter.task.lead_in.ramp_s / starter.timing.node_spacing_s)
+    assert np.std(speeds[:, ramp:]) == pytest.approx(0.15 * 12.0, rel=0.1)
+    assert not speeds[:, 0].any()
+    again = starter.decks.gusts(replace(draw, motion_seed=3))
+    assert again is not None and np.array_equal(again.nodes[:, 0], speeds[3])
+    for calm in ({"wind_gust_intensity": 0.0}, {"wind_speed_mps": 0.0}):
+        still = replace(draw, **calm)
+        assert starter.decks.gusts(still) is None
+        assert not starter.column(still)[Par.GUST : Par.GUST + 3].any()
+
+
+SEA: dict[str, Any] = {"motion": {"components": 24}}  # of the training scenario
+
+
+def test_the_same_seed_is_the_same_sea_whatever_the_batch_and_the_threads() -> None:
+    """Deck tables, gusts and wind bit for bit, alone, in a crowd, and prepared ahead."""
+    deck, wind = [], []
+    for n, threads in ((1, 1), (9, 1), (9, 2)):
+        env = TraverseBatch(n, task=SHORT, scenario=SEA, threads=threads)
+        env.reset(seeds=[70 + k for k in range(n)])
+        env.reset([0])  # its next episode: from the nursery in a larger batch
+        nodes = env.batch.nodes[0]
+        deck.append(nodes[: np.flatnonzero(nodes[:, 6:].any(axis=1))[-1] + 1].copy())
+        wind.append(env.batch.parameters[Par.WIND : Par.GUST + 3, 0].copy())
+    assert deck[0].any()
+    for other in deck[1:]:
+        assert np.array_equal(deck[0], other)
+    for other in wind[1:]:
+        assert np.array_equal(wind[0], other)
+
+
+def test_the_severity_of_the_sea_is_among_the_metrics() -> None:
+    """Long-run figures of the drawn sea: the same after a copy, a fork and a prepared start."""
+    env = TraverseBatch(6, task=SHORT, scenario={"motion": {**SEA["motion"], "hs_m": {"choice": [0.5, 5.0]}}})
+
+    def ends(batch: TraverseBatch) -> list[dict[str, Any]]:
+        while not batch.book.over.all():
+            result = batch.step(np.zeros((batch.n, 2)))
+        return [result.endings[k]["episode_metrics"] for k in range(batch.n)]
+
+    env.reset(seeds=list(range(6)))
+    env.step(np.zeros((6, 2)))
+    copies, kept = env.fork(2), env.snapshot()
+    first = ends(env)
+    for k, draw in enumerate(env.draws):
+        assert draw is not None
+        motion = parse_motion(draw.motion).realise(np.random.default_rng(draw.motion_seed))
+        found = {name: value for name, value in first[k].items() if name.startswith("sea_")}
+        severity = motion.deck_rms()
+        assert found == {
+            "sea_lateral_g": severity.lateral_specific_force_g,
+            "sea_roll_deg": severity.roll_deg,
+            "sea_hs_m": draw.motion["hs_m"],
+        }
+        assert first[k]["within_validity"] is (motion.outside_validity is None)
+    assert {metrics["sea_hs_m"] for metrics in first} == {0.5, 5.0}
+    assert ends(copies) == [metrics for metrics in first for _ in range(2)]
+    other = TraverseBatch(6, task=SHORT, scenario=env.scenario)
+    other.restore(kept)
+    assert ends(other) == first
+
+
+def test_a_sea_that_rolls_too_much_is_flagged() -> None:
+    sea = {"type": "seaway", "hs_m": 5.0, "heading_deg": 90.0, "speed_kn": 0.0, "components": 24}
+    found = []
+    for damping in (0.2, 3.0):
+        motion = {**sea, "roll_damping_factor": damping}
+        env = TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": motion})
+        env.reset(seeds=[0])
+        assert env.draws[0] is not None
+        found.append(env.starter.decks.figures(env.draws[0]))
+    assert found[0].roll_deg > 6.0 > found[1].roll_deg
+    assert [figures.within_validity for figures in found] == [False, True]
+
+
+def test_motions_without_a_sea_have_figures_too() -> None:
+    env = TraverseBatch(1, task=SHORT, scenario="irregular")
+    env.reset(seeds=[0])
+    draw = env.draws[0]
+    assert draw is not None
+    found = env.starter.decks.figures(draw)
+    assert found.roll_deg == pytest.approx(draw.motion["roll"]["rms_deg"], rel=0.15)  # of a record of finite length
+    assert np.isnan(found.hs_m) and found.within_validity and found.lateral_g > 0.01
+    still = env.starter.decks.figures(flat_draw())
+    assert (still.roll_deg, still.lateral_g) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -176,6 +262,9 @@ def test_a_gust_goes_with_the_true_wind() -> None:
         ({"motion": 3}, "motion = 3"),
         ({"motion": {"type": "waves"}}, "type is 'waves'"),
         ({"motion_seed": -1}, "motion_seed = -1"),
+        ({"wind_gust_intensity": 2.0}, "gust_intensity"),
+        ({"motion": {"type": "seaway", "hs_m": -1.0, "heading_deg": 0.0, "speed_kn": 5.0}}, "hs_m is -1"),
+        ({"motion": {"type": "seaway", "hs_m": 1.0, "heading_deg": 0.0, "speed_kn": 5.0}}, "must be the seaway's own"),
     ],
 )
 def test_a_draw_that_does_not_fit_is_refused_before_anything_starts(changes: dict[str, Any], told: str) -> None:
@@ -207,6 +296,9 @@ def test_motions_are_tried_at_construction(tmp_path: Path) -> None:
     late = {"type": "file", "paths": [str(path)], "start_s": {"uniform": [0.0, 11.0]}}
     with pytest.raises(ConfigurationError, match=r"scenario: motion\.start_s"):
         TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": late})
+    way = {"type": "seaway", "ship": "canoe", "hs_m": 1.0, "heading_deg": 0.0, "speed_kn": 5.0}
+    with pytest.raises(ConfigurationError, match=r"scenario: motion\.ship .*canoe"):
+        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": way})
     with pytest.raises(ConfigurationError, match="euler_order"):
         load_scenario({"base": "flat", "motion": {**gone, "euler_order": "zzz"}})
     with pytest.raises(ConfigurationError, match="count twice"):

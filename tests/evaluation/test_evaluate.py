@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
+from rich.console import Console
 
 from ssmash_gym.cli import main
 from ssmash_gym.envs.limits import LIMITS
@@ -20,6 +21,7 @@ from ssmash_gym.evaluation import episodes as running
 from ssmash_gym.evaluation.episodes import run_episodes
 from ssmash_gym.evaluation.evaluate import typical_seed
 from ssmash_gym.evaluation.policies import baselines, find_agent, make_baseline
+from ssmash_gym.evaluation.report import severity_table
 from ssmash_gym.evaluation.summary import comparison, policy_summary
 from ssmash_gym.vehicle.document import write_yaml
 
@@ -49,6 +51,7 @@ def rows(**columns: Any) -> pl.DataFrame:
         "success": True, "failed": False, "aligned": True, "reason": "goal", "time_s": 40.0, "scored_peak_kN": 10.0,
         "peak_probe_kN_no_grace": 11.0, "p95_probe_kN": 8.0, "peak_main_kN": 50.0, "least_station_kN": 5.0,
         "lift_offs": 0, "final_yaw_deg": 0.1, "return": 10.0, **{f"cost_{name}": 0 for name in LIMITS},
+        "sea_lateral_g": 0.05, "within_validity": True,
     }  # fmt: skip
     return pl.DataFrame({name: columns.get(name, [value, value]) for name, value in ordinary.items()})
 
@@ -66,6 +69,8 @@ def test_the_summary_has_its_form(results: Path) -> None:
         assert found["time_s"]["median"] == pytest.approx(6.0)
         assert 0.0 <= found["lift_off_rate"] <= 1.0
         assert set(found["cost_rates"]) == set(LIMITS)
+        assert 0.0 <= found["outside_validity_rate"] <= 1.0
+        assert sum(band["episodes"] for band in found["by_lateral_g"]) == 3
     assert {"seed", "version", "configuration", "comparison"} <= set(summary)
     assert set(summary["comparison"]) == {"trapezoid", "hold"}
 
@@ -76,6 +81,9 @@ def test_results_hold_a_row_an_episode_and_a_picture(results: Path) -> None:
     seeds = [frame.filter(policy=name)["seed"].to_list() for name in ("yield", "trapezoid", "hold")]
     assert seeds[0] == seeds[1] == seeds[2]
     assert len(set(seeds[0])) == 3
+    sea = ["sea_lateral_g", "sea_roll_deg", "sea_hs_m", "within_validity"]
+    assert frame.filter(policy="yield").select(sea).equals(frame.filter(policy="hold").select(sea))
+    assert frame["sea_hs_m"].is_between(0.5, 5.0).all() and frame["sea_lateral_g"].is_between(0.0, 0.3).all()
     assert (results / "peaks.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -130,6 +138,24 @@ def test_a_failure_is_not_aligned_and_costs_count_once_an_episode() -> None:
     assert found["aligned_rate"] == 0.5
     assert found["cost_rates"]["probe_in_plane"] == 0.5
     assert found["reasons"] == {"corridor": 1, "goal": 1}
+
+
+def test_severity_of_the_seas_is_told() -> None:
+    """Bands of the lateral specific force hold each episode once; empty ones are left out."""
+    seas = rows(sea_lateral_g=[0.01, 0.09], within_validity=[True, False], success=[True, False])
+    seas = seas.with_columns(scored_peak_kN=pl.Series([6.0, 30.0]))
+    found = policy_summary(seas)
+    assert found["outside_validity_rate"] == 0.5
+    mild, rough = found["by_lateral_g"]
+    assert mild == {
+        "from_g": 0.0, "to_g": 0.02, "episodes": 1, "success_rate": 1.0, "peak_probe_kN": {"mean": 6.0, "p95": 6.0},
+    }  # fmt: skip
+    assert (rough["from_g"], rough["to_g"], rough["success_rate"]) == (0.08, None, 0.0)
+    console = Console(width=140)
+    with console.capture() as shown:
+        console.print(severity_table({"yield": found}))
+    text = shown.get()
+    assert "0 to 0.02 g" in text and "from 0.08 g" in text and "30.0 / 30.0, 0" in text and "50.0 %" in text
 
 
 def test_on_time_means_within_a_fifth_of_the_others_median() -> None:

@@ -91,6 +91,27 @@ def test_the_wrong_convention_is_reported_with_the_right_one(tmp_path: Path, sea
     assert max(linear) < 1e-3
 
 
+def test_the_wrong_sequence_is_reported_with_the_right_one(tmp_path: Path, sea: Motion) -> None:
+    """Angles of another sequence beside the same body rates: the file itself tells which sequence it is."""
+    path = write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.05, 40.0)
+    table = np.loadtxt(path)
+    table[:, 1:4] = np.degrees(in_sequence(np.radians(table[:, 1:4]), "xyz"))
+    np.savetxt(path, table, fmt="%.14g")
+    with pytest.warns(ConfigurationWarning, match="agree better with rates: body, euler_order: xyz"):
+        MotionFile(path=path).realise()
+    with pytest.warns(ConfigurationWarning, match="agree better with rates: body, euler_order: xyz"):
+        MotionFile(path=path, rates="euler").realise()
+
+
+def in_sequence(angles: np.ndarray, order: str) -> np.ndarray:
+    """The angles of another sequence that give the attitudes of z-y-x angles, by iteration on R(a) = R."""
+    R_NS = rotation(angles)
+    for _ in range(50):
+        angles = angles + angles_from_rotation(rotation(angles, order).transpose(0, 2, 1) @ R_NS)
+    np.testing.assert_allclose(rotation(angles, order), R_NS, atol=1e-12)
+    return angles
+
+
 def test_file_rates_that_disagree_are_reported_and_the_derivative_is_used(tmp_path: Path, sea: Motion) -> None:
     path = write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.05, 40.0)
     table = rows(path)
@@ -125,14 +146,7 @@ def test_a_baked_record_keeps_its_own_derivatives(tmp_path: Path, sea: Motion) -
 def test_angles_in_another_sequence_give_the_same_deck(tmp_path: Path, sea: Motion, order: str) -> None:
     path = write_shipmo(tmp_path / "SHIPMO.INP", sea, 0.05, 20.0)
     table = np.loadtxt(path)
-    R_NS = rotation(np.radians(table[:, 1:4]))
-    # The angles of the other sequence, by Newton iteration on R(a) = R_NS from the z-y-x ones.
-    angles = np.radians(table[:, 1:4])
-    for _ in range(50):
-        error = rotation(angles, order).transpose(0, 2, 1) @ R_NS
-        angles = angles + angles_from_rotation(error)
-    np.testing.assert_allclose(rotation(angles, order), R_NS, atol=1e-12)
-    table[:, 1:4] = np.degrees(angles)
+    table[:, 1:4] = np.degrees(in_sequence(np.radians(table[:, 1:4]), order))
     np.savetxt(path, table, fmt="%.14g")
     motion = MotionFile(path=path, euler_order=order, detrend=False).realise()
     assert motion.consistent  # body rates do not depend on the sequence
@@ -221,6 +235,20 @@ def test_rounded_times_are_even(tmp_path: Path, sea: Motion) -> None:
     assert read_shipmo(write_rows(path, table)).step_s == pytest.approx(1.0 / 30.0, rel=1e-3)
 
 
+def test_a_file_without_numbers_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "names.csv"
+    path.write_text("# only words\ntime_s,roll_deg\n")
+    with pytest.raises(ConfigurationError, match="without a row of numbers, allowed are 8 or more rows"):
+        read_shipmo(path)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path: Path, sea: Motion) -> None:
+    path = write_shipmo(tmp_path / "a.inp", sea, 0.1, 3.0)
+    plain = read_shipmo(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    np.testing.assert_array_equal(read_shipmo(path).velocity, plain.velocity)
+
+
 def spoil(table: list[list[str]], what: str) -> None:
     if what == "word":
         table[11][4] = "abc"
@@ -250,7 +278,7 @@ def spoil(table: list[list[str]], what: str) -> None:
         ("gap", ("line 12", "1.2 s", "0.2 s after", "even step (here 0.1 s)")),
         ("back", ("line 12", "even step")),
         ("few", ("5 rows", "8 or more")),
-        ("empty", ("0 rows", "8 or more")),
+        ("empty", ("it is empty", "8 or more rows of 16 columns")),
     ],
 )
 def test_malformed_records_are_refused_by_line_and_column(
@@ -302,6 +330,36 @@ def test_writing_is_all_or_nothing(tmp_path: Path, sea: Motion) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["motion.csv"]
     with pytest.raises(ConfigurationError, match="realise"):
         write_shipmo(path, SEA, 0.1, 5.0)
+
+
+def test_a_long_record_is_written_in_pieces_that_do_not_show(tmp_path: Path, sea: Motion) -> None:
+    """5000 rows are three blocks: the figures are those of the motion at every row, and progress rises to 1."""
+    shares: list[float] = []
+    path = write_shipmo(tmp_path / "motion.csv", sea, 0.05, 250.0, progress=shares.append)
+    assert len(shares) == 3 and shares == sorted(set(shares)) and shares[-1] == 1.0
+    data = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert data.shape == (5001, 16)
+    np.testing.assert_allclose(data[:, 0], 0.05 * np.arange(5001), atol=1e-9)
+    exact = sea.signal(data[:, 0])
+    np.testing.assert_allclose(np.radians(data[:, 1:4]), exact.position[:, 3:], atol=1e-9)
+    np.testing.assert_allclose(data[:, 10:13], exact.acceleration[:, :3], atol=1e-9)
+    quiet = write_shipmo(tmp_path / "quiet.csv", sea, 0.05, 250.0)
+    assert quiet.read_bytes() == path.read_bytes()
+
+
+def test_a_record_may_have_wide_steps(tmp_path: Path, sea: Motion) -> None:
+    """A step at which no table could be interpolated: the record holds the exact values all the same."""
+    data = np.loadtxt(write_shipmo(tmp_path / "slow.inp", sea, 2.0, 40.0))
+    np.testing.assert_allclose(data[:, 4:7], sea.signal(data[:, 0]).rate[:, :3], atol=1e-9)
+
+
+def test_a_writing_that_is_broken_off_leaves_nothing(tmp_path: Path, sea: Motion) -> None:
+    def stop(share: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_shipmo(tmp_path / "motion.csv", sea, 0.05, 250.0, progress=stop)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_failed_rename_leaves_the_old_record(tmp_path: Path, sea: Motion, monkeypatch: pytest.MonkeyPatch) -> None:

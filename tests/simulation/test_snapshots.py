@@ -8,19 +8,23 @@ import pytest
 from ssmash_gym.dynamics.layout import Par
 from ssmash_gym.ship import Irregular
 from ssmash_gym.ship.sources import IrregularRotation
+from ssmash_gym.ship.wind import Gust
 from ssmash_gym.simulation.batch import Batch, ClawLimits
 from ssmash_gym.vehicle import load_helicopter
 
 SEA = Irregular(roll=IrregularRotation(rms_deg=3.0, period_s=9.0), pitch=IrregularRotation(rms_deg=1.0, period_s=7.0))
-TABLES = ("state", "parameters", "_commands", "clocks", "_nodes", "_ends", "_claw_nodes", "_outputs", "_highs",
-          "_lows", "_mode")  # fmt: skip
+TABLES = ("state", "parameters", "_commands", "clocks", "_nodes", "_ends", "_gust_nodes", "_gust_ends",
+          "_claw_nodes", "_outputs", "_highs", "_lows", "_mode")  # fmt: skip
 
 
 def at_sea(name: str = "generic_tricycle", n: int = 3) -> Batch:
-    """Under way, commands waiting in the delay line."""
+    """Under way, commands waiting in the delay line, the last column in gusts."""
     batch = Batch(load_helicopter(name), n, claw=ClawLimits(delay_s=0.16, ripple_along_m=0.001))
     tables = [SEA.realise(np.random.default_rng(k)).bake(4.0, batch.timing.node_spacing_s) for k in range(n)]
     batch.set_motion(tables)
+    gust = Gust.draw(15.0, 0.2, np.random.default_rng(9)).bake(3.5, batch.timing.node_spacing_s)
+    batch.set_gusts([None] * (n - 1) + [gust])
+    batch.parameters[Par.GUST + 1, -1] = 1.0
     batch.place(0.0, 0.0, np.linspace(-0.1, 0.1, n))
     batch.parameters[Par.MASS] *= np.linspace(0.9, 1.1, n)
     drive(batch, 0, 5)

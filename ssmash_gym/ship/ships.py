@@ -1,0 +1,289 @@
+"""Ships: their description in ``configs/ships/*.yaml``, and the response that it stands for.
+
+A ship is either a hull (a database of ``ssmash_gym/ship/data`` or a file, scaled by Froude's law, with the loading,
+the roll damping and the guards of its description) or a table of a user's own response amplitudes.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+
+from ssmash_gym.assets import asset_path
+from ssmash_gym.errors import ConfigurationError, shown
+from ssmash_gym.ship.hull import HullDatabase, load_hull
+from ssmash_gym.ship.kinematics import FloatArray
+from ssmash_gym.ship.response import Guards, HullResponse, Loading, ShipResponse
+from ssmash_gym.ship.response_table import ResponseFile
+from ssmash_gym.ship.roll_damping import RollDamping
+from ssmash_gym.vehicle.description import Mark
+from ssmash_gym.vehicle.document import read_yaml, split
+from ssmash_gym.vehicle.fields import Part, Positive, Vector, refuse
+
+KNOT: Final = 1852.0 / 3600.0  # [m/s]
+BASE_KEY: Final = "base"  # in a mapping: the name or file of the ship that it changes
+SUMMARY_SPEEDS_KN: Final = (0.0, 10.0, 18.0)
+SUMMARY_ROLL_RMS: Final = np.radians(3.0)  # the rolling for which the summary tells the damping
+HULL_KEYS: Final = ("kg_m", "gm_m", "gyration", "roll_damping")
+
+
+class Hull(Part):
+    """Which hull, and how large."""
+
+    database: str = Field(min_length=1, description="name of a hull database, or the path of one (.npz)")
+    scale: Positive = Field(1.0, description="length over that of the database; everything follows by Froude's law")
+
+
+class Gyration(Part):
+    """Radii of gyration of the ship's mass about G, without added mass."""
+
+    roll_over_beam: Positive = Field(description="kxx over the beam")
+    pitch_over_length: Positive = Field(description="kyy over the length")
+    yaw_over_length: Positive = Field(description="kzz over the length")
+
+
+class ShipDescription(Part):
+    """A ship, validated and frozen. Make one with `load_ship`.
+
+    With `hull`, one of `kg_m` and `gm_m`, and `gyration` and `roll_damping` are needed; with `response`, none of them.
+    """
+
+    name: str = Field(min_length=1, description="name of the ship")
+    description: str = Field("", description="what it stands for, and what must not be read into it")
+    hull: Hull | None = Field(None, description="hull database and scale")
+    response: ResponseFile | None = Field(None, description="a table of the ship's response instead of a hull")
+    kg_m: Positive | None = Field(None, description="height of the centre of gravity G above the keel [m]")
+    gm_m: Positive | None = Field(None, description="metacentric height [m], instead of kg_m")
+    gyration: Gyration | None = Field(None, description="radii of gyration")
+    roll_damping: RollDamping | None = Field(None, description="law of the equivalent linear roll damping")
+    guards: Guards = Field(default_factory=Guards, description="guards of the linear theory near omega_e = 0")
+    deck_point_m: Vector = Field(description="deck origin from G: x forward, y starboard, z down [m]")
+    provenance: tuple[Mark, ...] = Field((), description="where each value comes from")
+
+    @field_validator("hull")
+    @classmethod
+    def _database_from_folder(cls, hull: Hull | None, info: ValidationInfo) -> Hull | None:
+        if hull is None or not hull.database.endswith(".npz"):
+            return hull
+        return hull.model_copy(update={"database": str(_in_folder(Path(hull.database), info))})
+
+    @model_validator(mode="after")
+    def _hull_or_table(self) -> Self:
+        if (self.hull is None) == (self.response is None):
+            raise refuse("hull", self.hull, "a ship needs either a hull or a response, one of the two")
+        for key in HULL_KEYS:
+            if self.response is not None and getattr(self, key) is not None:
+                raise refuse(key, getattr(self, key), "a ship whose response is a table does not have it")
+        if self.hull is not None:
+            if (self.kg_m is None) == (self.gm_m is None):
+                raise refuse("kg_m", self.kg_m, "a hull needs either kg_m or gm_m, one of the two")
+            for key in HULL_KEYS[2:]:
+                if getattr(self, key) is None:
+                    raise refuse(key, None, "a hull needs it")
+        return self
+
+    @property
+    def marks(self) -> dict[str, Mark]:
+        """The marks by the dotted path of their value."""
+        return {mark.path: mark for mark in self.provenance}
+
+
+@dataclass(frozen=True, eq=False)
+class Ship:
+    """A ship that is ready to be put into waves.
+
+    Attributes:
+        description: What it was made from.
+        response: Response of its centre of gravity G to waves.
+        deck_point_m: Deck origin from G, S axes (x forward, y starboard, z down) [m], (3,), read-only.
+    """
+
+    description: ShipDescription
+    response: ShipResponse
+    deck_point_m: FloatArray
+
+    @property
+    def name(self) -> str:
+        """Name of the ship."""
+        return self.description.name
+
+    def summary(self) -> str:
+        """The ship in a few lines: displacement, metacentric height, natural periods, roll damping, deck origin."""
+        x, y, z = self.deck_point_m
+        lines = [
+            self.name,
+            f"  deck origin    {abs(x):g} m {'forward' if x > 0.0 else 'aft'}, {abs(y):g} m to "
+            f"{'port' if y < 0.0 else 'starboard'}, {-z:g} m above the centre of gravity",
+        ]
+        if isinstance(self.response, HullResponse):
+            lines[1:1] = _hull_lines(self.response)
+        elif self.description.response is not None:
+            lines.insert(1, f"  response       table {self.description.response.table}")
+        return "\n".join(lines)
+
+
+def ship_names() -> list[str]:
+    """Names of the ships that come with the package."""
+    return sorted(path.stem for path in asset_path("configs", "ships").glob("*.yaml"))
+
+
+def load_ship(given: str | Path | Mapping[str, Any] | Ship) -> Ship:
+    """Load a ship; the same description gives the same object.
+
+    Args:
+        given: A name of `ship_names`, the path of a YAML file, a mapping with the keys of `ShipDescription` (and
+            perhaps ``base``, the name or file of a ship of which the other keys change something), or a ship.
+
+    Raises:
+        ConfigurationError: There is no such name or file, or the description is refused; one sentence that names the
+            file, the key, the value and what is allowed.
+    """
+    if isinstance(given, Ship):
+        return given
+    if isinstance(given, Mapping):
+        return _ship_of(_described(*_with_base(given)))
+    if isinstance(given, str | Path):
+        path = _path_of(given)
+        return _ship_of(_read(path, path.stat().st_mtime_ns))
+    raise ConfigurationError(f"ships: {shown(given)} is refused: give a name, the path of a YAML file, or a mapping.")
+
+
+@functools.lru_cache(maxsize=32)
+def _read(path: Path, _changed: int) -> ShipDescription:
+    """The description in a file; read anew when the file has changed."""
+    return _described(read_yaml(path.read_text(encoding="utf-8"), str(path)), str(path), path.parent)
+
+
+def _ship_of(description: ShipDescription) -> Ship:
+    """The ship that a description stands for; built anew when its table's file has changed."""
+    table = None if description.response is None else description.response.table
+    return _built(description, table.stat().st_mtime_ns if table is not None and table.is_file() else 0)
+
+
+@functools.lru_cache(maxsize=32)
+def _built(description: ShipDescription, _changed: int) -> Ship:
+    """The ship that a description stands for."""
+    point = np.array(description.deck_point_m)
+    point.flags.writeable = False
+    if description.response is not None:
+        return Ship(description, description.response.read(), point)
+    gyration, damping = description.gyration, description.roll_damping
+    assert description.hull is not None and gyration is not None and damping is not None  # validated
+    hull = _hull(description.hull.database, description.hull.scale)
+    height = _height_of_G(description, hull)
+    radii = (
+        gyration.roll_over_beam * hull.beam_m,
+        gyration.pitch_over_length * hull.length_m,
+        gyration.yaw_over_length * hull.length_m,
+    )
+    try:
+        return Ship(description, HullResponse(hull, Loading(height, radii), damping, description.guards), point)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"ship {description.name}: {error}") from None
+
+
+@functools.lru_cache(maxsize=8)
+def _hull(database: str, scale: float) -> HullDatabase:
+    hull = load_hull(database)
+    return hull if scale == 1.0 else hull.scaled(scale)
+
+
+def _height_of_G(description: ShipDescription, hull: HullDatabase) -> float:
+    """Height of G above the keel [m], from the description's KG or GM."""
+    if description.kg_m is not None:
+        return description.kg_m
+    assert description.gm_m is not None  # validated
+    return hull.draught_m + hull.z_B + hull.I_T / hull.volume_m3 - description.gm_m
+
+
+def _hull_lines(response: HullResponse) -> list[str]:
+    hull, period = response.hull, response.natural_period_s
+    sigma = float(SUMMARY_ROLL_RMS) * 2.0 * np.pi / period["roll"]
+    root = float(np.sqrt(hull.length_m / hull.gravity))
+    ratios = [response.damping.ratio(response.froude(kn * KNOT), sigma, root) for kn in SUMMARY_SPEEDS_KN]
+    rxx, ryy, rzz = response.loading.radii_m
+    return [
+        f"  hull           {hull.name}: {hull.length_m:.1f} m x {hull.beam_m:.2f} m x {hull.draught_m:.2f} m draught",
+        f"  displacement   {response.mass_kg / 1000.0:.0f} t",
+        f"  KG, GM         {response.loading.kg_m:.2f} m, {response.gm_m:.2f} m",
+        f"  gyration       roll {rxx:.2f} m, pitch {ryy:.2f} m, yaw {rzz:.2f} m",
+        f"  natural period roll {period['roll']:.2f} s, heave {period['heave']:.2f} s, pitch {period['pitch']:.2f} s",
+        "  roll damping   "
+        + ", ".join(f"{r:.3f} at {kn:g} kn" for r, kn in zip(ratios, SUMMARY_SPEEDS_KN, strict=True))
+        + " of critical, for 3 deg RMS of roll",
+    ]
+
+
+# --- reading -------------------------------------------------------------------------------------------------------
+
+
+def _in_folder(path: Path, info: ValidationInfo) -> Path:
+    folder = (info.context or {}).get("folder")
+    return path if folder is None else Path(folder) / path  # an absolute path stays as it is
+
+
+def _path_of(given: str | Path) -> Path:
+    path = Path(given)
+    if path.suffix.lower() in (".yaml", ".yml"):
+        if not path.is_file():
+            raise ConfigurationError(f"{path}: there is no such ship file.")
+        return path.resolve()
+    named = asset_path("configs", "ships") / f"{given}.yaml"
+    if path.name != str(given) or not named.is_file():
+        raise ConfigurationError(
+            f"ships: there is none called {shown(str(given))}: give one of {', '.join(ship_names())}, or the path of "
+            "a YAML file."
+        )
+    return named
+
+
+def _with_base(given: Mapping[str, Any]) -> tuple[dict[str, Any], str, Path | None]:
+    """The document of a mapping, its name in messages and the folder of its paths."""
+    changes = dict(given)
+    if BASE_KEY not in changes:
+        return changes, "ship", None
+    path = _path_of(changes.pop(BASE_KEY))
+    document = read_yaml(path.read_text(encoding="utf-8"), str(path))
+    for one, other in (("kg_m", "gm_m"), ("gm_m", "kg_m")):
+        if one in changes and other not in changes:
+            document.pop(other, None)  # two ways of saying the same thing
+    return _merged(document, changes), f"ship {path.stem} with changes", path.parent
+
+
+def _merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The document with the changes laid over it: sections merge key by key, values are replaced with their marks."""
+    result = dict(document)
+    for key, value in changes.items():
+        old = result.get(key)
+        section = isinstance(old, Mapping) and "value" not in old
+        result[key] = _merged(old, value) if isinstance(value, Mapping) and section and old is not None else value
+    return result
+
+
+def _described(document: Mapping[str, Any], source: str, folder: Path | None = None) -> ShipDescription:
+    """The description of a document, marks and all."""
+    plain, marks = split(dict(document), source)
+    try:
+        return ShipDescription.model_validate({**plain, "provenance": marks}, context={"folder": folder})
+    except ValidationError as error:
+        raise ConfigurationError(_sentence(error, source)) from None
+
+
+def _sentence(error: ValidationError, source: str) -> str:
+    """The first mistake in one sentence: source, key, value and what is allowed."""
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "missing":
+        return f"{source}: {key} is missing."
+    if first["type"] == "refused":
+        context = first["ctx"]
+        key = ".".join(part for part in (key, context["key"]) if part)
+        return f"{source}: {key} = {shown(context['value'])} is refused: {context['allowed']}."
+    message = first["msg"]
+    return f"{source}: {key} = {shown(first['input'])} is refused: {message[:1].lower()}{message[1:]}."
