@@ -11,7 +11,7 @@ EPISODES ?= 200
 SEED ?= 100000
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lock train test lint format bench docs acceptance clean
+.PHONY: help setup lock train seas test lint format bench docs acceptance clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -29,6 +29,11 @@ $(STAMP): requirements.lock pyproject.toml
 train: $(STAMP) ## Train the traverse agent, then evaluate it on unseen seeds against the baselines
 	$(BIN)/python train.py --config configs/training/ppo_traverse.yaml
 	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield --episodes $(EPISODES) --seed $(SEED) --out runs/evaluation
+
+seas: $(STAMP) ## Evaluate the trained agent and the baselines in each of the sea states 3 to 6
+	@set -e; for sea in ss3 ss4 ss5 ss6; do \
+	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield --episodes $(EPISODES) --seed $(SEED) \
+	  --scenario $$sea --no-film --out runs/evaluation_$$sea; done
 
 test: $(STAMP) ## Run the tests (not the long ones)
 	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile

@@ -5,13 +5,21 @@ Nothing heavy is imported before a verb is chosen, so `ssmash --help` answers at
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Final
+from typing import Any, Final
 
+MISREAD: Final = 2  # words that no verb or option goes by, or values that cannot be read
 INTERRUPTED: Final = 130  # what shells report after Ctrl-C
+
+
+class Misread(Exception):
+    """Words of the command line that cannot be read, in one sentence."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: Words after `ssmash`; those of the command line by default.
 
     Returns:
-        The exit status: 0 done, 1 the user's mistake told in one sentence, 2 no such verb, 130 stopped by Ctrl-C.
+        The exit status: 0 done, 1 the user's mistake told in one sentence, 2 the same of words that cannot be read
+        (no such verb or option, letters for a number), 130 stopped by Ctrl-C.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if not words or words[0] in ("-h", "--help", "help"):
@@ -61,20 +70,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name, *rest = words
     if name not in VERBS:
         print(f"ssmash has no verb {name!r}; it has {', '.join(VERBS)}.", file=sys.stderr)
-        return 2
+        return MISREAD
     return _run(name, rest)
 
 
 def _run(name: str, rest: Sequence[str]) -> int:
     """Import the verb's function and call it with its options; a user's mistake becomes one line."""
-    import tyro
-
     from ssmash_gym.errors import ConfigurationError
 
     module, attribute = VERBS[name].function.split(":")
     try:
-        function = getattr(import_module(module), attribute)
-        tyro.cli(function, prog=f"ssmash {name}", args=rest)
+        _call(getattr(import_module(module), attribute), name, rest)()
+    except Misread as mistake:
+        print(f"ssmash {name}: {mistake} (`ssmash {name} --help` lists the options)", file=sys.stderr)
+        return MISREAD
     except (ConfigurationError, OSError, ImportError) as mistake:
         print(f"ssmash {name}: {mistake}", file=sys.stderr)
         return 1
@@ -82,3 +91,34 @@ def _run(name: str, rest: Sequence[str]) -> int:
         print(f"ssmash {name}: stopped.", file=sys.stderr)
         return INTERRUPTED
     return 0
+
+
+def _call(function: Callable[..., None], name: str, rest: Sequence[str]) -> Callable[[], None]:
+    """The call that the words after a verb stand for.
+
+    Raises:
+        Misread: The words cannot be read.
+        SystemExit: The help was asked for and has been printed.
+    """
+    import tyro
+
+    @functools.wraps(function)
+    def later(*values: Any, **options: Any) -> Callable[[], None]:
+        return functools.partial(function, *values, **options)
+
+    box = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(box):
+            return tyro.cli(later, prog=f"ssmash {name}", args=rest)
+    except SystemExit as leaving:
+        if not leaving.code:
+            raise
+        raise Misread(_first_words(box.getvalue())) from None
+
+
+def _first_words(box: str) -> str:
+    """What stands in a box of several lines between its title and the first rule, as one line."""
+    lines = [line.strip(" │") for line in box.splitlines()[1:]]
+    rule = next((k for k, line in enumerate(lines) if line.startswith(("─", "╰"))), len(lines))
+    told = " ".join(" ".join(lines[:rule]).split()).split(". Got errors")[0]  # each of several readings has failed
+    return told.rstrip(".") or "the options cannot be read"

@@ -6,33 +6,44 @@ import inspect
 import json
 import math
 import tempfile
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
+import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ssmash_gym import __version__
 from ssmash_gym.analysis.motion_picture import draw_picture, require_matplotlib
 from ssmash_gym.analysis.motion_record import Record, long_run_spectra, sample_record, write_spectra
-from ssmash_gym.analysis.motion_report import caption, show, subtitle, title
-from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.analysis.motion_report import caption, ship_label, show, subtitle, title
+from ssmash_gym.analysis.motion_request import (
+    COMPONENTS,
+    DEFAULT_DURATION_S,
+    Files,
+    check_files,
+    checked_gusts,
+    checked_length,
+    checked_step,
+    companion_wind,
+    repetition,
+    wind_words,
+)
+from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.ship.config import parse_motion
 from ssmash_gym.ship.motion import Motion
-from ssmash_gym.ship.sea import KNOT, SEA_STATES, SpectrumName, SpreadingName
+from ssmash_gym.ship.sea import SEA_STATES, SpectrumName, SpreadingName
 from ssmash_gym.ship.seaway import Seaway, SeawayMotion
-from ssmash_gym.ship.shipmo import FEWEST_ROWS, Rates, write_shipmo
-from ssmash_gym.ship.wind import Gust, from_waves, true_wind_of_height, wind_over_deck, write_wind
+from ssmash_gym.ship.shipmo import Rates, write_shipmo
+from ssmash_gym.ship.wind import write_wind
 from ssmash_gym.simulate import motion_section, realised
 
 DEFAULT_SEA_STATE: Final = 5
-DEFAULT_DURATION_S: Final = 600.0
-COMPONENTS: Final = (96, 256)  # for records up to that length, and for longer ones, where 96 begin to repeat themselves
-MOST_ROWS: Final = 1_000_000
 LONG_WORK_ROWS: Final = 20_000  # from here on a bar shows the progress
 SPECTRUM_GRID: Final = np.linspace(0.0, 2.0, 501)  # [rad/s]
 
@@ -48,12 +59,12 @@ def ship_motion(
     spreading: SpreadingName = "cos2",
     components: int | None = None,
     config: Path | None = None,
-    duration: float | None = None,
-    dt: float = 0.05,
+    duration: Annotated[float | None, tyro.conf.arg(aliases=("--duration-s",))] = None,
+    dt: float | None = None,
     rates: Rates = "body",
     seed: int = 0,
     wind: bool = False,
-    gusts: float = 0.1,
+    gusts: float | None = None,
     out: Path = Path("motion.csv"),
     plot: Path | None = None,
     spectra: Path | None = None,
@@ -77,12 +88,12 @@ def ship_motion(
         config: YAML file with a motion section, in place of the options above. For a record (type: file) the check of
             its rates is printed.
         duration: Length of the record [s]; 600 unless given, or the whole of a recorded motion.
-        dt: Time between rows [s].
+        dt: Time between rows [s]; 0.05 unless given, or that of a recorded motion.
         rates: What columns 8-10 and 14-16 hold: body (angular velocity in ship axes) or euler (rates of the angles).
         seed: Seed of the sea.
         wind: Also write the wind over the deck beside the record (motion.wind.csv for motion.csv): the true
             wind that goes with the wave height, along the waves, with gusts, minus the ship's speed.
-        gusts: RMS of the gusts over the mean true wind.
+        gusts: RMS of the gusts over the mean true wind; 0.1 unless given (assumed).
         out: The record.
         plot: PNG with time histories and spectra (extra ``plot``).
         spectra: CSV with the long-run spectra over encounter frequency.
@@ -99,29 +110,34 @@ def ship_motion(
         require_matplotlib()
     if seed < 0:
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
+    intensity = checked_gusts(wind, gusts)
     source = chosen_source(sea, config, duration)
     files = Files(out, out.with_name(f"{out.stem}.wind.csv") if wind else None, plot, spectra)
-    check_files(files, source)
-    motion = realised(source, seed)
-    length_s = checked_length(motion, duration, dt)
-    over_deck = companion_wind(source, gusts, seed) if wind else None
+    check_files(files, source, config)
+    motion, remarks = realised(source, seed)
+    step_s = checked_step(motion, dt)
+    length_s = checked_length(motion, duration, step_s)
+    remarks += repetition(source, length_s)
+    over_deck = companion_wind(source, intensity, seed) if wind else None
+    comments = about(source, motion, seed, remarks) + ([wind_words(source, intensity)] if wind else [])
     console = Console()
-    with all_or_nothing(files.named.values()) as staged, progress_bar(length_s / dt) as advance:
-        record = sample_record(motion, length_s, dt, lambda share: advance(0.4 * share))
-        comments = about(source, motion, seed, rates) + ([wind_words(source, gusts)] if wind else [])
+    with all_or_nothing(files.named.values()) as staged, progress_bar(length_s / step_s) as advance:
+        record = sample_record(motion, length_s, step_s, lambda share: advance(0.4 * share))
         write_shipmo(
-            staged[out], motion, dt, length_s, rates=rates, comments=comments if out.suffix.lower() == ".csv" else (),
+            staged[out], motion, step_s, length_s, rates=rates,
+            comments=[*comments, *record_words(source, rates)] if out.suffix.lower() == ".csv" else (),
             progress=lambda share: advance(0.4 + 0.6 * share),
         )  # fmt: skip
         if files.wind is not None and over_deck is not None:
-            write_wind(staged[files.wind], *over_deck, dt, length_s)
-        foot = caption(motion, record, seed)
-        write_spectra_and_picture(files, staged, source, motion, record, comments, foot)
-    show(console, source, motion, record)
+            write_wind(staged[files.wind], *over_deck, step_s, length_s, comments=comments)
+        write_spectra_and_picture(files, staged, source, motion, record, comments, remarks, seed)
+    show(console, source, motion, record, remarks)
     if wind:
-        console.print(wind_words(source, gusts), soft_wrap=True, highlight=False)
+        console.print(wind_words(source, intensity), soft_wrap=True, highlight=False)
     names = ", ".join(map(str, files.named.values()))
-    console.print(f"{len(record.time_s)} rows, {record.time_s[-1]:g} s, seed {seed}: {names}", soft_wrap=True)
+    console.print(
+        f"{len(record.time_s)} rows, {record.time_s[-1]:g} s at {step_s:g} s, seed {seed}: {names}", soft_wrap=True
+    )
 
 
 DEFAULT_SEA: Final = {
@@ -157,7 +173,7 @@ def chosen_source(sea: Mapping[str, Any], config: Path | None, duration_s: float
     if period is not None and height is None:
         raise ConfigurationError(f"--tp-s {period:g} is refused: it goes with --hs-m, a sea state has its own period.")
     if state is not None and state not in SEA_STATES:
-        why = "no readable source gives its height and period; " if state == 7 else ""
+        why = "the STANAG 4194 pairs that could be read stop at 6; " if state == 7 else ""
         raise ConfigurationError(
             f"--sea-state {state} is refused: there are {', '.join(map(str, SEA_STATES))} (STANAG 4194); {why}other "
             "seas by --hs-m and --tp-s."
@@ -172,93 +188,6 @@ def chosen_source(sea: Mapping[str, Any], config: Path | None, duration_s: float
 def _option(key: str) -> str:
     """A key of a seaway section as the option of the command line."""
     return "--" + ("heading" if key == "heading_deg" else key).replace("_", "-")
-
-
-@dataclass(frozen=True)
-class Files:
-    """What is to be written: the record, and what is asked for beside it."""
-
-    out: Path
-    wind: Path | None
-    plot: Path | None
-    spectra: Path | None
-
-    @property
-    def named(self) -> dict[str, Path]:
-        """The files by the option that asks for them."""
-        return {f"--{field.name}": path for field in fields(self) if (path := getattr(self, field.name)) is not None}
-
-
-def check_files(files: Files, source: Any) -> None:
-    """Refuse files that cannot be written, before anything is computed.
-
-    Args:
-        files: The files.
-        source: The motion source.
-
-    Raises:
-        ConfigurationError: A folder that does not exist, a picture that is no PNG, one file twice, or something that
-            only a seaway has.
-    """
-    seen: dict[Path, str] = {}
-    for option, path in files.named.items():
-        if not path.parent.is_dir():
-            raise ConfigurationError(f"{option} {path} is refused: there is no folder {path.parent}.")
-        if path.is_dir():
-            raise ConfigurationError(f"{option} {path} is refused: this is a folder, expected a file.")
-        if option == "--plot" and path.suffix.lower() != ".png":
-            raise ConfigurationError(f"{option} {path} is refused: the picture is a PNG, its name ends in .png.")
-        if option in ("--wind", "--spectra") and not isinstance(source, Seaway):
-            raise ConfigurationError(f"{option} is refused: only a motion of type seaway has a sea.")
-        if path.resolve() in seen:
-            raise ConfigurationError(f"{option} {path} is refused: {seen[path.resolve()]} writes the same file.")
-        seen[path.resolve()] = option
-
-
-def checked_length(motion: Motion, duration_s: float | None, step_s: float) -> float:
-    """Length of the record [s].
-
-    Raises:
-        ConfigurationError: A step or a length that is refused.
-    """
-    if not (math.isfinite(step_s) and step_s > 0.0):
-        raise ConfigurationError(f"--dt {step_s:g} is refused: it must be above 0 s.")
-    whole = motion.duration_s
-    length = (whole if math.isfinite(whole) else DEFAULT_DURATION_S) if duration_s is None else duration_s
-    if not (math.isfinite(length) and length > 0.0):
-        raise ConfigurationError(f"--duration {length:g} is refused: it must be above 0 s.")
-    if length > whole * (1.0 + 1e-9):
-        raise ConfigurationError(f"--duration {length:g} is refused: the record lasts {whole:g} s.")
-    rows = math.floor(length / step_s + 1e-9) + 1
-    if not FEWEST_ROWS <= rows <= MOST_ROWS:
-        raise ConfigurationError(
-            f"--duration {length:g} with --dt {step_s:g} is refused: it makes {rows} rows, "
-            f"allowed are {FEWEST_ROWS} to {MOST_ROWS}."
-        )
-    return length
-
-
-def companion_wind(source: Seaway, intensity: float, seed: int) -> tuple[Any, Gust, float]:
-    """The wind of a seaway: mean over the deck (3,) [m/s], gusts, and where the true wind comes from [deg].
-
-    Raises:
-        ConfigurationError: A negative intensity, or waves higher than the table of winds.
-    """
-    if not 0.0 <= intensity <= 1.0:
-        raise ConfigurationError(f"--gusts {intensity:g} is refused: allowed are shares of the mean wind, 0 to 1.")
-    speed = true_wind_of_height(source.sea().hs_m)
-    from_deg = from_waves(source.heading_deg)
-    rng = np.random.default_rng([seed, 1])  # a stream of its own: the sea is the same with and without its wind
-    return wind_over_deck(speed, from_deg, source.speed_kn * KNOT), Gust.draw(speed, intensity, rng), from_deg
-
-
-def wind_words(source: Seaway, intensity: float) -> str:
-    """The companion wind in one line."""
-    speed, from_deg = true_wind_of_height(source.sea().hs_m), from_waves(source.heading_deg)
-    return (
-        f"wind: true wind {speed:.1f} m/s from {from_deg:g} deg (0 ahead, 90 from starboard), gusts of {intensity:g} "
-        f"of it RMS; over the deck: minus the ship's {source.speed_kn:g} kn"
-    )
 
 
 # --- writing --------------------------------------------------------------------------------------------------------
@@ -289,19 +218,28 @@ def progress_bar(rows: float) -> Iterator[Callable[[float], None]]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def about(source: Any, motion: Motion, seed: int, rates: Rates) -> list[str]:
-    """What heads the record: version, configuration, seed, frames, and what is to be known of its validity."""
+def about(source: Any, motion: Motion, seed: int, remarks: Sequence[str]) -> list[str]:
+    """What heads every file: version, configuration, seed, and what is to be known of its validity."""
     lines = [
         f"ssmash_gym {__version__}, ssmash ship-motion",
         f"motion: {json.dumps(source.model_dump(mode='json', exclude_none=True))}",
         f"seed: {seed}",
+    ]
+    if isinstance(source, Seaway):
+        lines.insert(1, f"ship: {ship_label(source)}")
+    if motion.outside_validity is not None:
+        lines.append(f"outside validity: {motion.outside_validity}")
+    return lines + [f"warning: {text}" for text in remarks]
+
+
+def record_words(source: Any, rates: Rates) -> list[str]:
+    """What heads the record alone: what its columns hold."""
+    lines = [
         f"rates: {rates} (columns 8-10 and 14-16)",
         "axes: x forward, y to starboard, z down; roll starboard down, pitch bow up, yaw bow to starboard positive",
     ]
     if isinstance(source, Seaway):
         lines.append("velocities and accelerations: of the deck point, over the mean frame that moves with the ship")
-    if motion.outside_validity is not None:
-        lines.append(f"outside validity: {motion.outside_validity}")
     return lines
 
 
@@ -312,7 +250,8 @@ def write_spectra_and_picture(
     motion: Motion,
     record: Record,
     comments: Sequence[str],
-    foot: str,
+    remarks: Sequence[str],
+    seed: int,
 ) -> None:
     """Write the files that show the spectra, where they are asked for.
 
@@ -323,17 +262,20 @@ def write_spectra_and_picture(
         motion: Its motion.
         record: The record of it.
         comments: What heads the files, or goes into them unseen.
-        foot: Caption of the picture.
+        remarks: Warnings that the picture shows.
+        seed: Seed of the sea.
     """
     if files.plot is None and files.spectra is None:
         return
     long_run = None
     if isinstance(source, Seaway) and isinstance(motion, SeawayMotion):
-        long_run = long_run_spectra(source, motion, SPECTRUM_GRID)
+        with warnings.catch_warnings():  # what there is to be warned of was said when the sea was drawn
+            warnings.simplefilter("ignore", ConfigurationWarning)
+            long_run = long_run_spectra(source, motion, SPECTRUM_GRID)
     if files.spectra is not None and long_run is not None:
         write_spectra(staged[files.spectra], long_run, comments)
     if files.plot is not None:
-        words = (title(source), subtitle(source, motion), foot)
+        words = (title(source), subtitle(source, motion, remarks), caption(record, long_run, seed))
         draw_picture(staged[files.plot], record, long_run, known_rms(source, motion), words, metadata(comments))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -14,40 +13,19 @@ import pytest
 import ssmash_gym
 from ssmash_gym import ship_motion as verb
 from ssmash_gym.analysis.motion_record import (
-    QUANTITIES,
-    long_run_spectra,
-    record_spectrum,
     sample_record,
 )
-from ssmash_gym.cli import INTERRUPTED, main
+from ssmash_gym.analysis.motion_report import long_wave_ratios, subtitle, title
+from ssmash_gym.cli import INTERRUPTED
 from ssmash_gym.ship import read_shipmo
 from ssmash_gym.ship.config import parse_motion
 from ssmash_gym.ship.motion import pose_of
-from ssmash_gym.ship.sea import KNOT, Spreading
+from ssmash_gym.ship.response_table import write_response_table
+from ssmash_gym.ship.sea import KNOT
 from ssmash_gym.ship.seaway import Seaway
-from ssmash_gym.ship.seaway_statistics import spectral_deck_rms
 from ssmash_gym.ship.ships import load_ship
 from ssmash_gym.ship.wind import read_wind, true_wind_of_height
-
-SHORT = ["--duration", "30", "--dt", "0.1", "--components", "32"]
-BEAM = {"type": "seaway", "sea_state": 5, "heading_deg": 90.0, "speed_kn": 10.0}
-
-
-def run(*words: str | Path) -> int:
-    return main(["ship-motion", *map(str, words)])
-
-
-def head(path: Path) -> dict[str, str]:
-    """The comment lines of a record: what stands before and after their first colon."""
-    lines = [line[2:] for line in path.read_text().splitlines() if line.startswith("# ")]
-    return dict(line.partition(": ")[::2] for line in lines)
-
-
-def sea(**changes: Any) -> Seaway:
-    source = parse_motion({**BEAM, **changes})
-    assert isinstance(source, Seaway)
-    return source
-
+from tests.ship_motion_rig import SHORT, head, run, sea
 
 # --- the record -----------------------------------------------------------------------------------------------------
 
@@ -107,6 +85,9 @@ def test_the_companion_wind_is_that_of_the_sea_less_the_ship(tmp_path: Path) -> 
     np.testing.assert_allclose(wind.wind[:, 0], -true_wind_of_height(2.5) - 12.0 * KNOT, rtol=1e-9)
     np.testing.assert_allclose(wind.wind[:, 1:], 0.0, atol=1e-9)
     assert head(out)["wind"].startswith(f"true wind {true_wind_of_height(2.5):.1f} m/s from 0 deg")
+    about = head(tmp_path / "motion.wind.csv")
+    assert about["seed"] == "0" and f"ssmash_gym {ssmash_gym.__version__}, ssmash ship-motion" in about
+    assert "wind_x below 0 comes from ahead" in about["axes"] and "rates" not in about
     assert run(*words, "--gusts", 0.2) == 0
     gusts = read_wind(tmp_path / "motion.wind.csv").wind[:, 0] - wind.wind[:, 0]
     assert 0.05 < np.std(gusts) / true_wind_of_height(2.5) < 0.4
@@ -122,6 +103,7 @@ def test_statistics_are_those_of_the_columns(tmp_path: Path) -> None:
     found = record.statistics()
     signal = motion.signal(record.time_s)
     roll = np.degrees(signal.position[:, 3]) - np.mean(np.degrees(signal.position[:, 3]))
+    assert found["roll_deg"].mean == pytest.approx(np.mean(np.degrees(signal.position[:, 3])))
     assert found["roll_deg"].rms == pytest.approx(np.sqrt(np.mean(roll**2)))
     assert found["roll_deg"].significant == pytest.approx(2.0 * found["roll_deg"].rms)
     assert found["roll_deg"].largest == pytest.approx(np.max(np.abs(roll)))
@@ -166,79 +148,84 @@ def test_large_rolling_is_flagged_in_words_and_in_the_record(
     assert head(out)["outside validity"].startswith("roll RMS is")
 
 
-# --- spectra --------------------------------------------------------------------------------------------------------
+def test_a_mean_attitude_stands_in_the_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "fixed.yaml").write_text("motion: {type: fixed, roll_deg: 5.0}\n")
+    assert run("--config", tmp_path / "fixed.yaml", "--duration", 20, "--out", tmp_path / "motion.csv") == 0
+    shown = capsys.readouterr().out.splitlines()
+    for label, mean in (("roll [deg]", "5.000"), ("lateral specific force [g]", "-0.087")):
+        row = next(line for line in shown if label in line)
+        assert row.split("]")[1].split()[:2] == [mean, "0.000"]
 
 
-@pytest.mark.parametrize("heading_deg", [20.0, 90.0, 180.0])
-def test_long_run_spectra_hold_the_variance_of_the_spectral_integral(heading_deg: float) -> None:
-    source = sea(heading_deg=heading_deg, speed_kn=15.0)
-    motion = source.realise(np.random.default_rng(0))
-    omega = np.linspace(0.0, 8.0, 2001)  # short waves of a head sea are met at 7 rad/s
-    spectra = long_run_spectra(source, motion, omega)
-    ship, spreading = load_ship(source.ship), Spreading(source.spreading)
-    expected = spectral_deck_rms(ship, source.sea(), spreading, math.radians(heading_deg), 15.0 * KNOT)
-    for quantity in QUANTITIES:
-        rms = math.sqrt(np.sum(spectra.deck[quantity.key]) * (omega[1] - omega[0]))
-        assert rms == pytest.approx(getattr(expected, quantity.key), rel=0.01), quantity.key
-    # Steaming shifts the waves' energy over frequency and leaves it what it is.
-    for density in (spectra.wave, spectra.wave_at_rest):
-        assert np.sum(density) * (omega[1] - omega[0]) == pytest.approx(3.3**2 / 16.0, rel=0.02)
+def test_a_changed_ship_is_told_from_its_base(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ship = "{base: frigate, kg_m: 6.2, deck_point_m: [-40.0, -2.0, 1.5]}"
+    config, out = tmp_path / "sea.yaml", tmp_path / "motion.csv"
+    config.write_text(f"type: seaway\nship: {ship}\nsea_state: 4\nheading_deg: 30\nspeed_kn: 5\ncomponents: 24\n")
+    assert run("--config", config, "--duration", 20, "--out", out) == 0
+    flat = " ".join(capsys.readouterr().out.split())
+    assert "frigate, changed: kg_m, deck_point_m" in flat
+    assert "40 m aft, 2 m to port, 1.5 m below the centre of gravity" in flat
+    assert head(out)["ship"] == "frigate, changed: kg_m, deck_point_m"
+    source = verb.chosen_source({}, config, None)
+    assert title(source) == "Deck motion: frigate, changed: kg_m, deck_point_m, 5 kn, sea state 4"
 
 
-def test_in_a_head_sea_the_spectrum_of_the_waves_moves_to_higher_frequencies() -> None:
-    source = sea(heading_deg=180.0, speed_kn=15.0, spreading="long_crested")
-    omega = np.linspace(0.0, 3.0, 751)
-    spectra = long_run_spectra(source, source.realise(np.random.default_rng(0)), omega)
-    peak = 2.0 * math.pi / 9.7
-    assert omega[np.argmax(spectra.wave_at_rest)] == pytest.approx(peak, abs=0.01)
-    met = omega[np.argmax(spectra.wave)]
-    assert met == pytest.approx(peak + peak**2 / 9.81 * 15.0 * KNOT, abs=0.04)  # the density flattens as it spreads
+def test_a_long_record_of_few_waves_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    config, out = tmp_path / "sea.yaml", tmp_path / "motion.csv"
+    config.write_text("type: seaway\nsea_state: 5\nheading_deg: 90\nspeed_kn: 10\n")
+    assert run("--config", config, "--duration", 700, "--dt", 0.5, "--out", out) == 0
+    assert "warning: components is 96: a record of 700 s" in capsys.readouterr().out
+    assert head(out)["warning"].startswith("components is 96")
+    assert run("--duration", 700, "--dt", 0.5, "--out", out) == 0
+    assert "warning" not in capsys.readouterr().out
 
 
-def test_spectrum_of_a_record_finds_frequency_and_variance_of_a_sine() -> None:
-    time = 0.1 * np.arange(6001)
-    omega, density = record_spectrum(2.0 * np.sin(0.7 * time) + 5.0, 0.1)
-    assert omega[np.argmax(density)] == pytest.approx(0.7, abs=0.03)
-    assert np.sum(density) * (omega[1] - omega[0]) == pytest.approx(2.0, rel=0.02)
+# --- a ship given by a table ----------------------------------------------------------------------------------------
 
 
-def test_spectra_file_names_its_units_and_reads_back(tmp_path: Path) -> None:
-    spectra = tmp_path / "spectra.csv"
-    assert run(*SHORT, "--out", tmp_path / "motion.csv", "--spectra", spectra) == 0
-    lines = [line for line in spectra.read_text().splitlines() if not line.startswith("#")]
-    names = lines[0].split(",")
-    assert names[:3] == ["omega_radps", "wave_encounter_m2s", "wave_m2s"]
-    table = np.array([[float(x) for x in line.split(",")] for line in lines[1:]])
-    wave = table[:, names.index("wave_m2s")]
-    np.testing.assert_allclose(wave, sea().sea().density(table[:, 0]), rtol=1e-6, atol=1e-12)
-    assert json.loads(head(spectra)["motion"])["sea_state"] == 5
+def table_ship(folder: Path, **conventions: str) -> Path:
+    """A ship that is a table of the frigate's response, read by conventions of which some may be wrong."""
+    write_response_table(
+        folder / "table.csv", load_ship("frigate"), [0.0, 10.0], range(0, 360, 30), np.linspace(0.3, 1.3, 21)
+    )
+    response = ", ".join(f"{key}: {value}" for key, value in {"table": "table.csv", **conventions}.items())
+    (folder / "mine.yaml").write_text(f"name: mine\nresponse: {{{response}}}\ndeck_point_m: [-40.0, 0.0, -6.0]\n")
+    return folder / "mine.yaml"
 
 
-# --- the picture ----------------------------------------------------------------------------------------------------
-
-
-def test_the_picture_carries_version_configuration_and_seed(tmp_path: Path) -> None:
-    image = pytest.importorskip("PIL.Image")
-    picture = tmp_path / "motion.png"
-    assert run(*SHORT, "--seed", 4, "--out", tmp_path / "motion.csv", "--plot", picture) == 0
-    with image.open(picture) as found:
-        about, size, colours = found.text, found.size, len(found.convert("RGB").getcolors(1 << 16))
-    assert ssmash_gym.__version__ in about["Software"]
-    assert "seed: 4" in about["Description"]
-    assert '"heading_deg": 90.0' in about["Description"]
-    assert size[0] > 1000 and colours > 20
-
-
-def test_a_motion_without_a_sea_has_a_picture_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("matplotlib")
-    config = tmp_path / "roll.yaml"
-    config.write_text("motion: {type: sinusoid, dof: roll, amplitude_deg: 4.0, period_s: 8.0}\n")
-    words = ["--config", config, "--duration", 40, "--out", tmp_path / "motion.csv", "--plot", tmp_path / "roll.png"]
+def test_a_sea_outside_a_table_is_warned_of_wherever_it_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ship, out, spectra = table_ship(tmp_path), tmp_path / "motion.csv", tmp_path / "spectra.csv"
+    words = [*SHORT, "--ship", ship, "--hs-m", 0.5, "--tp-s", 5.0, "--out", out, "--spectra", spectra]
     assert run(*words) == 0
-    shown = capsys.readouterr().out
-    row = next(line for line in shown.splitlines() if "roll [deg]" in line)
-    assert "2.827" in row and "4.000" in row
-    assert (tmp_path / "roll.png").stat().st_size > 10_000
+    shown = capsys.readouterr()
+    assert shown.out.count("more than 10% of the sea's energy") == 1 and not shown.err
+    for path in (out, spectra):
+        assert "0.3 to 1.3 rad/s" in head(path)["warning"]
+    source = verb.chosen_source(
+        {"ship": str(ship), "hs_m": 0.5, "tp_s": 5.0, "heading_deg": 90.0, "speed_kn": 5.0}, None, 30.0
+    )
+    motion, remarks = verb.realised(source, 0)
+    assert [line for line in subtitle(source, motion, remarks) if line.startswith("warning: response table")]
+    assert run(*SHORT, "--ship", ship, "--tp-s", 10, "--hs-m", 2, "--out", out) == 0
+    assert "warning" not in capsys.readouterr().out
+
+
+def test_long_waves_tell_a_table_that_was_read_wrongly(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ship = load_ship(table_ship(tmp_path))
+    heave, roll, pitch = long_wave_ratios(ship.response, 5.0)
+    np.testing.assert_allclose([heave, pitch], 1.0, atol=0.05)
+    assert abs(roll - 1.0) < 0.6  # its resonance is not far above
+    assert run(*SHORT, "--ship", tmp_path / "mine.yaml", "--out", tmp_path / "motion.csv") == 0
+    flat = " ".join(capsys.readouterr().out.split())
+    ratios = long_wave_ratios(ship.response, 10.0)
+    for name, ratio in zip(("long waves heave", "roll/slope", "pitch/slope"), ratios, strict=True):
+        assert f"{name} {ratio:.2f}" in flat
+    assert "wrong" not in flat
+    for wrong in ({"convention": "z_up_port"}, {"heading": "towards_port"}, {"heading": "from_starboard"}):
+        assert run(*SHORT, "--ship", table_ship(tmp_path, **wrong), "--out", tmp_path / "motion.csv") == 0
+        assert "a wrong sign, phase or heading?" in " ".join(capsys.readouterr().out.split()), wrong
 
 
 # --- a recorded motion ----------------------------------------------------------------------------------------------
@@ -258,6 +245,53 @@ def test_the_check_of_a_record_is_printed_and_the_record_rewritten(
     theirs, ours = read_shipmo(tmp_path / "theirs.csv"), read_shipmo(tmp_path / "ours.csv")
     np.testing.assert_allclose(ours.angles, theirs.angles, atol=1e-9)
     assert np.max(np.abs(ours.rates[5:-5] - theirs.rates[5:-5])) > 1e-3  # body, no longer rates of the angles
+
+
+def test_a_record_keeps_its_step_and_its_bad_columns_are_marked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    theirs, ours = tmp_path / "theirs.csv", tmp_path / "ours.csv"
+    assert run(*SHORT, "--rates", "euler", "--out", theirs) == 0
+    table = np.loadtxt(theirs, delimiter=",", skiprows=len(head(theirs)) + 1)
+    table[:, 12] *= -1.0
+    np.savetxt(theirs, table, delimiter=",")
+    (tmp_path / "file.yaml").write_text("type: file\npath: theirs.csv\n")
+    capsys.readouterr()
+    assert run("--config", tmp_path / "file.yaml", "--out", ours) == 0
+    shown = capsys.readouterr().out.splitlines()
+    (turned,) = (line for line in shown if "acceleration z:" in line)
+    assert turned.endswith("<- sign?")
+    (yaw,) = (line for line in shown if "yaw rate:" in line)
+    assert yaw.endswith("<- more than 2%")  # rates of the angles, read as body rates
+    (fine,) = (line for line in shown if "acceleration y:" in line)
+    assert "<-" not in fine
+    assert read_shipmo(ours).step_s == pytest.approx(0.1)
+    assert run("--config", tmp_path / "file.yaml", "--out", ours, "--dt", 0.2) == 0
+    assert read_shipmo(ours).step_s == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("option", ["--out", "--spectra"])
+def test_what_a_motion_is_read_from_is_not_written_over(
+    option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(*SHORT) == 0
+    table_ship(tmp_path)
+    Path("record").write_text("type: file\npath: motion.csv\n")
+    Path("linked.csv").symlink_to("motion.csv")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    capsys.readouterr()
+    for words in (
+        ("--config", "record", option, "motion.csv"),
+        ("--config", "record", option, "linked.csv"),
+        ("--config", "record", option, "record"),
+        ("--ship", "mine.yaml", option, "table.csv"),
+        ("--ship", "mine.yaml", option, "mine.yaml"),
+    ):
+        elsewhere = () if option == "--out" else ("--out", "elsewhere.csv")
+        assert run(*words, *elsewhere, "--duration", 20) == 1
+        assert f"{option} {words[-1]} is refused: the motion is read from this file." in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 # --- the page -------------------------------------------------------------------------------------------------------
@@ -283,10 +317,10 @@ def _option(name: str) -> str:
     ("words", "told"),
     [
         (["--ship", "no_such"], "no_such"),
-        (["--sea-state", "7"], "no readable source"),
+        (["--sea-state", "7"], "stop at 6"),
         (["--sea-state", "5", "--hs-m", "3"], "one of the two"),
         (["--hs-m", "-1", "--tp-s", "8"], "hs_m is -1"),
-        (["--hs-m", "5", "--tp-s", "4"], "too steep"),
+        (["--hs-m", "5", "--tp-s", "6"], "too steep"),
         (["--tp-s", "9"], "--hs-m"),
         (["--heading", "nan"], "heading_deg is nan"),
         (["--speed-kn", "-3"], "speed_kn is -3"),
@@ -294,6 +328,9 @@ def _option(name: str) -> str:
         (["--duration", "nan"], "--duration nan"),
         (["--duration", "1e9"], "allowed are 8 to"),
         (["--dt", "-1"], "--dt -1"),
+        (["--dt", "5"], "--dt 5 is refused: allowed is at most"),
+        (["--gusts", "0.2"], "--gusts 0.2 is refused: it goes with --wind"),
+        (["--out", "ship.yaml"], "YAML"),
         (["--seed", "-1"], "--seed -1"),
         (["--wind", "--gusts", "2"], "--gusts 2"),
         (["--config", "nowhere.yaml"], "nowhere.yaml"),
@@ -339,7 +376,7 @@ def test_a_run_that_is_stopped_leaves_everything_as_it_was(
     out = tmp_path / "motion.csv"
     out.write_text("what was there\n")
 
-    def stopped(path: Path, *_: Any) -> None:
+    def stopped(path: Path, *_: Any, **__: Any) -> None:
         assert (path.parent / "motion.csv").stat().st_size > 1000, "the record was written, but not yet in its place"
         raise KeyboardInterrupt
 

@@ -2,20 +2,23 @@
 
 Prints the components of the equivalent linear damping as shares of critical, for three speeds and three amplitudes,
 and the coefficients ``z0, z_speed, z_rate`` of `ssmash_gym.ship.roll_damping.RollDamping` that go into
-configs/ships/frigate.yaml. Needs the package rolldecay-estimators (0.6.0), which ssmash_gym itself never imports:
+configs/ships/frigate.yaml. Needs the package rolldecay-estimators, which ssmash_gym itself never imports:
 
-    pip install rolldecay-estimators && python tools/roll_damping.py
+    pip install rolldecay-estimators==0.6.0
+    python tools/roll_damping.py
 
 What is assumed: bilge keels of 0.3 L x 0.6 m, and a midship coefficient of 0.82 (the hull's own is 0.80, that of the
 public hull DTMB 5415 is 0.816; the method was made for 0.90 to 0.99). Hull lift is where this matters: the library
 continues a cubic fit of Ikeda's coefficient K over the midship coefficient far outside its data, to K = 1.4, while
-Ikeda's own table has K = 0 up to 0.92. The law keeps the larger lift as standing for rudders, skeg and shaft brackets,
-which the method does not count (assumed). The last lines print the hull lift with Ikeda's own K.
+Ikeda's own table (Himeno 1981; ITTC 7.5-02-07-04.5) has K = 0 up to 0.92, 0.1 up to 0.97 and 0.3 up to 0.99. The law
+keeps the larger lift, by judgement, as standing for rudders, skeg and shaft brackets, which the method does not count.
+The last lines print the hull lift with Ikeda's own K, and the law that would follow from it.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import math
 import sys
 from typing import Any, Final
@@ -30,7 +33,12 @@ COMPONENTS: Final = ("total", "friction", "wave", "eddy", "bilge keels", "lift")
 KNOT: Final = 1852.0 / 3600.0
 KEEL_LENGTH: Final = 0.3  # over the ship's length, assumed
 KEEL_BREADTH_M: Final = 0.6  # assumed
-IKEDA_K: Final = 0.0  # hull lift, midship coefficient up to 0.92 (ITTC 7.5-02-07-04.5)
+IKEDA_K: Final = 0.0  # hull lift, midship coefficient up to 0.92 (Himeno 1981; ITTC 7.5-02-07-04.5)
+LIFT: Final = COMPONENTS.index("lift")
+MISSING: Final = (
+    "tools/roll_damping.py needs the package rolldecay-estimators, which is not installed: "
+    "pip install rolldecay-estimators==0.6.0"
+)
 
 
 def library() -> Any:
@@ -102,12 +110,27 @@ def main() -> int:
     parser.add_argument("--ship", default="frigate", help="name or file of the ship")
     parser.add_argument("--midship", type=float, default=0.82, help="midship coefficient for the method")
     arguments = parser.parse_args()
+    if importlib.util.find_spec("rolldecayestimators") is None:
+        sys.exit(MISSING)
+    from ssmash_gym.errors import ConfigurationError
+    from ssmash_gym.ship.response import HullResponse
     from ssmash_gym.ship.ships import load_ship
 
-    ship = load_ship(arguments.ship)
+    try:
+        ship = load_ship(arguments.ship)
+    except ConfigurationError as error:
+        sys.exit(f"--ship: {error}")
+    if not isinstance(ship.response, HullResponse):
+        sys.exit(f"--ship {arguments.ship} is refused: it has a table of responses, the method needs a hull.")
     print(ship.summary())
+    report(ship, arguments.midship)
+    return 0
+
+
+def report(ship: Any, midship: float) -> None:
+    """Print the components beside the law, its coefficients, and both with Ikeda's own lift."""
     print("\n| kn | amplitude deg | " + " | ".join(COMPONENTS) + " | law |\n|" + "---|" * (3 + len(COMPONENTS)))
-    table = np.array([[components(ship, kn * KNOT, a, arguments.midship) for a in AMPLITUDES_DEG] for kn in SPEEDS_KN])
+    table = np.array([[components(ship, kn * KNOT, a, midship) for a in AMPLITUDES_DEG] for kn in SPEEDS_KN])
     z = fitted(ship, table[..., 0])
     omega, hull = 2.0 * math.pi / ship.response.natural_period_s["roll"], ship.response.hull
     for i, kn in enumerate(SPEEDS_KN):
@@ -117,9 +140,11 @@ def main() -> int:
             cells = " | ".join(f"{value:.4f}" for value in table[i, j])
             print(f"| {kn:g} | {amplitude:g} | {cells} | {law:.4f} |")
     print(f"\nz0: {z[0]:.4f}, z_speed: {z[1]:.4f}, z_rate: {z[2]:.4f}")
-    for kn in SPEEDS_KN[1:]:
-        print(f"hull lift at {kn:g} kn with Ikeda's K = {IKEDA_K:g}: {lift_by_ikeda(ship, kn * KNOT):.4f}")
-    return 0
+    lift = np.array([[lift_by_ikeda(ship, kn * KNOT)] for kn in SPEEDS_KN])
+    for kn, share in zip(SPEEDS_KN[1:], lift[1:, 0], strict=True):
+        print(f"hull lift at {kn:g} kn with Ikeda's K = {IKEDA_K:g}: {share:.4f}")
+    z = fitted(ship, table[..., 0] - table[..., LIFT] + lift)
+    print(f"the law with that lift: z0: {z[0]:.4f}, z_speed: {z[1]:.4f}, z_rate: {z[2]:.4f}")
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ssmash_gym.envs.observations import TERMS
 from ssmash_gym.ship.forecast import ORDER, ArModel, persistence
-from ssmash_gym.ship.motion import MotionTable, pose_of
-from ssmash_gym.ship.quiescence import GRAVITY, ILLUSTRATIVE, statistics, windows
+from ssmash_gym.ship.motion import GRAVITY, MotionTable, pose_of
+from ssmash_gym.ship.quiescence import ILLUSTRATIVE, statistics, windows
 from ssmash_gym.ship.seaway import Seaway
 
 Array = NDArray[np.float64]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,11 +18,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WINDOW_S: Final = 120.0
+LONGER: Final = 1.5  # a record so many times as long as the window has a column of its own
+LINE_S: Final = 300.0  # a shorter record's spectrum says nothing beside the long run's
 SHOWN: Final = ("roll_deg", "pitch_deg", "vertical_velocity_m_s", "lateral_specific_force_g")
 WORST: Final = "lateral_specific_force_g"  # the window is laid about its largest value
 STRETCHES: Final = 300  # of the whole record, each drawn from its least to its greatest value
 LINE, FILL, LONG_RUN, MARK = "#12344d", "#9db8cc", "#e08e45", "#f6e7d4"
 WIDTH_IN: Final = 12.5
+LABELS_IN: Final = 0.47  # from the left edge to the end of the labels of the rows
+LINE_CHARACTERS: Final = 165  # that fit into the width at the size of the words under the title
+NOTED: Final = 0.1  # share of the RMS from which a mean is told
 DPI: Final = 100
 COLOURS: Final = 128
 HIGHEST_RADPS: Final = 2.0  # a ship of a hundred metres does not answer faster waves
@@ -55,17 +61,19 @@ def draw_picture(
     record: Record,
     spectra: Spectra | None,
     long_run: Mapping[str, float],
-    words: tuple[str, str, str],
+    words: tuple[str, Sequence[str], str],
     metadata: Mapping[str, str],
 ) -> None:
     """Draw the picture as PNG.
+
+    Three columns: the whole record, two minutes of it, spectra. A short record has the first two in one.
 
     Args:
         path: File to write.
         record: The record.
         spectra: Long-run spectra of the seaway; None for a motion that is no seaway.
         long_run: Long-run RMS by the keys of `QUANTITIES` and of ``elevation``, where they are known.
-        words: Title, the line or two under it, and the caption at the foot.
+        words: Title, the lines under it, and the caption at the foot.
         metadata: Text that goes into the file.
 
     Raises:
@@ -75,31 +83,67 @@ def draw_picture(
     from matplotlib.figure import Figure
 
     rows = _rows(record)
-    window = window_about_worst(record)
-    height = 1.45 + 1.5 * len(rows)  # [in], of which the words at the head and the foot keep theirs
+    under = [part for line in words[1] for part in textwrap.wrap(line, LINE_CHARACTERS)]
+    head = 0.72 + 0.175 * len(under)  # [in], as the foot: the words there keep theirs
+    height = head + 0.75 + 1.5 * len(rows)
     figure = Figure(figsize=(WIDTH_IN, height))
     # Laid out by hand: finding the places by drawing everything first takes twice as long.
-    places = {"left": 0.066, "right": 0.988, "bottom": 0.72 / height, "top": 1.0 - 0.95 / height, "wspace": 0.14}
+    places = {"left": 0.078, "right": 0.984, "bottom": 0.75 / height, "top": 1.0 - head / height, "wspace": 0.15}
+    widths = (2.1, 3.2, 2.1) if has_window(record) else (5.3, 2.1)
     axes = figure.subplots(
-        len(rows), 3, width_ratios=(2.1, 3.2, 2.1), sharex="col", squeeze=False, gridspec_kw={**places, "hspace": 0.16}
-    )
-    for (key, label, values), (whole, part, spectrum) in zip(rows, axes, strict=True):
-        _whole(whole, record.time_s, values, window)
-        _part(part, record.time_s[window], values[window])
-        _spectrum(spectrum, key, values, record, spectra)
-        known = f" (long run {long_run[key]:.3g})" if key in long_run else ""
-        place = {"transform": spectrum.transAxes, "ha": "right", "va": "top", "fontsize": 8.5}
-        spectrum.text(0.985, 0.95, f"RMS {np.std(values):.3g}{known}", **place)
-        whole.set_ylabel(label, fontsize=9)
-        whole.yaxis.set_label_coords(-0.125, 0.5)
-        whole.sharey(part)
-        part.tick_params(labelleft=False)
+        len(rows), len(widths), width_ratios=widths, sharex="col", squeeze=False,
+        gridspec_kw={**places, "hspace": 0.16},
+    )  # fmt: skip
+    for row, places_of_row in zip(rows, axes, strict=True):
+        _row(row, places_of_row, record, spectra, long_run)
     _headings(axes, record, spectra)
     left = 0.12 / WIDTH_IN
     figure.text(left, 1.0 - 0.1 / height, words[0], fontsize=13, fontweight="bold", color=LINE, va="top")
-    figure.text(left, 1.0 - 0.38 / height, words[1], fontsize=9, color="0.25", va="top", linespacing=1.4)
+    figure.text(left, 1.0 - 0.38 / height, "\n".join(under), fontsize=9, color="0.25", va="top", linespacing=1.4)
     figure.text(left, 0.1 / height, words[2], fontsize=7.5, color=QUIET, va="bottom")
     _save(figure, path, metadata)
+
+
+def has_window(record: Record) -> bool:
+    """Whether the record is so long that two minutes of it are drawn on their own."""
+    return bool(record.time_s[-1] > LONGER * WINDOW_S)
+
+
+def has_line(record: Record, spectra: Spectra | None) -> bool:
+    """Whether the record's own spectrum is drawn: a short record has one only where there is nothing better."""
+    return spectra is None or bool(record.time_s[-1] >= LINE_S)
+
+
+def _row(
+    row: tuple[str, str, FloatArray],
+    places: Any,
+    record: Record,
+    spectra: Spectra | None,
+    long_run: Mapping[str, float],
+) -> None:
+    """One quantity: against time, and its spectrum with the figures."""
+    from matplotlib.transforms import blended_transform_factory
+
+    key, label, values = row
+    first, spectrum = places[0], places[-1]
+    if has_window(record):
+        window = window_about_worst(record)
+        _whole(first, record.time_s, values, window)
+        _part(places[1], record.time_s[window], values[window])
+        first.sharey(places[1])
+        places[1].tick_params(labelleft=False)
+    else:
+        _part(first, record.time_s, values)
+        _spread(first, values)
+    _spectrum(spectrum, key, values, record, spectra)
+    rms, mean = float(np.std(values)), float(np.mean(values))
+    told = f"mean {mean:.3g}, " if abs(mean) > NOTED * rms else ""
+    known = f" (long run {long_run[key]:.3g})" if key in long_run else ""
+    place = {"transform": spectrum.transAxes, "ha": "right", "va": "top", "fontsize": 8.5}
+    spectrum.text(0.985, 0.95, f"{told}RMS {rms:.3g}{known}", **place)
+    first.set_ylabel(label, fontsize=9, linespacing=1.3)
+    across = blended_transform_factory(first.figure.transFigure, first.transAxes)
+    first.yaxis.set_label_coords(LABELS_IN / WIDTH_IN, 0.5, transform=across)
 
 
 def _save(figure: Figure, path: Path, metadata: Mapping[str, str]) -> None:
@@ -133,10 +177,15 @@ def _whole(axes: Axes, time: FloatArray, values: FloatArray, window: slice) -> N
     middle = time[(ends[:-1] + ends[1:] - 1) // 2]
     axes.axvspan(time[window][0], time[window][-1], color=MARK, linewidth=0)
     axes.fill_between(middle, low, high, color=FILL, linewidth=0.8)
-    for sign in (-1.0, 1.0):
-        axes.axhline(float(np.mean(values) + sign * np.std(values)), color=LINE, linewidth=0.7, linestyle=(0, (5, 4)))
+    _spread(axes, values)
     axes.set_xlim(time[0], time[-1])
     _plain(axes)
+
+
+def _spread(axes: Axes, values: FloatArray) -> None:
+    """The mean more and less the RMS."""
+    for sign in (-1.0, 1.0):
+        axes.axhline(float(np.mean(values) + sign * np.std(values)), color=LINE, linewidth=0.7, linestyle=(0, (5, 4)))
 
 
 def _part(axes: Axes, time: FloatArray, values: FloatArray) -> None:
@@ -150,28 +199,31 @@ def _part(axes: Axes, time: FloatArray, values: FloatArray) -> None:
 
 def _spectrum(axes: Axes, key: str, values: FloatArray, record: Record, spectra: Spectra | None) -> None:
     """Spectral density over encounter frequency: long run as an area, this record as a line."""
-    omega, density = record_spectrum(values, float(record.time_s[1] - record.time_s[0]))
     if spectra is not None:
         long_run = spectra.wave if key == "elevation" else spectra.deck[key]
         axes.fill_between(spectra.omega, long_run, color=LONG_RUN, alpha=0.45, linewidth=0)
         if key == "elevation":
             axes.plot(spectra.omega, spectra.wave_at_rest, color=LONG_RUN, linewidth=1.2, linestyle=(0, (4, 2)))
-    axes.plot(omega, density, color=LINE, linewidth=1.1)
-    axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])  # room for the words
+    if has_line(record, spectra):
+        omega, density = record_spectrum(values, float(record.time_s[1] - record.time_s[0]))
+        axes.plot(omega, density, color=LINE, linewidth=1.1)
+    axes.set_ylim(0.0, 1.25 * axes.get_ylim()[1])  # room for the words
     axes.locator_params(axis="y", nbins=4)
     _plain(axes)
 
 
 def _headings(axes: Any, record: Record, spectra: Spectra | None) -> None:
     """What stands above and below the columns, and the range of frequencies."""
-    part = "two minutes about the largest lateral force" if record.time_s[-1] > WINDOW_S else "the record"
-    words = ("whole record (dashed: ± RMS)", part, "spectral density [unit² s/rad]")
-    for column, heading in zip(axes[0], words, strict=True):
+    dashed = "(dashed: mean ± RMS)"
+    words = [f"whole record {dashed}", "two minutes about the largest lateral force"]
+    words = words if has_window(record) else [f"the record {dashed}"]
+    for column, heading in zip(axes[0], [*words, "spectral density [unit² s/rad]"], strict=True):
         column.set_title(heading, loc="left", fontsize=9.5)
     frequency = "frequency [rad/s]" if spectra is None else "encounter frequency [rad/s]"
-    for column, label in zip(axes[-1], ("time [s]", "time [s]", frequency), strict=True):
+    for column, label in zip(axes[-1], [*("time [s]" for _ in words), frequency], strict=True):
         column.set_xlabel(label, fontsize=9)
-    axes[-1, 2].set_xlim(0.0, HIGHEST_RADPS)
+    axes[-1, -1].set_xlim(0.0, HIGHEST_RADPS)
+    axes[-1, -1].set_xticks(np.linspace(0.0, HIGHEST_RADPS, 5))
 
 
 def _plain(axes: Axes) -> None:

@@ -13,7 +13,7 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.motion import GRAVITY, Motion, Signal, pose_of
-from ssmash_gym.ship.sea import KNOT, Spreading
+from ssmash_gym.ship.sea import KNOT, Spreading, encounter
 from ssmash_gym.ship.seaway import Seaway, SeawayMotion
 from ssmash_gym.ship.seaway_statistics import deck_transfer, quadrature
 from ssmash_gym.ship.ships import load_ship
@@ -21,6 +21,7 @@ from ssmash_gym.ship.ships import load_ship
 BLOCK: Final = 4096  # instants that are sampled at once
 FREQUENCIES: Final = 480  # of the long-run spectra
 DIRECTIONS: Final = 96
+PARTS: Final = 4  # of each cell of the spectral integral, which is spread over the frequencies that it covers
 WELCH_S: Final = 120.0  # length of the pieces that a record's spectrum is averaged over
 KERNEL_RADPS: Final = 0.012  # width of the smoothing of the long-run spectra, below that of a record's estimate
 
@@ -39,11 +40,16 @@ class Quantity:
     label: str
     unit: str
 
+    @property
+    def column(self) -> str:
+        """Name of the column of its spectral density."""
+        return f"{self.key.replace('_m_s', '_mps')}_squared_s"
+
 
 QUANTITIES: Final = (
     Quantity("roll_deg", "roll", "deg"),
     Quantity("pitch_deg", "pitch", "deg"),
-    Quantity("heave_m", "heave of the deck point", "m"),
+    Quantity("heave_m", "heave", "m"),
     Quantity("vertical_velocity_m_s", "vertical velocity", "m/s"),
     Quantity("vertical_acceleration_g", "vertical acceleration", "g"),
     Quantity("lateral_acceleration_g", "lateral acceleration", "g"),
@@ -52,8 +58,9 @@ QUANTITIES: Final = (
 
 
 class Statistics(NamedTuple):
-    """Root mean square about the mean, significant value (twice that) and largest departure from the mean."""
+    """Mean; about it the root mean square, significant value (twice that) and largest departure."""
 
+    mean: float
     rms: float
     significant: float
     largest: float
@@ -78,9 +85,8 @@ class Record:
         """The statistics of each quantity, by its key."""
         found = {}
         for key, values in self.series.items():
-            about = values - np.mean(values)
-            rms = float(np.std(values))
-            found[key] = Statistics(rms, 2.0 * rms, float(np.max(np.abs(about))))
+            mean, rms = float(np.mean(values)), float(np.std(values))
+            found[key] = Statistics(mean, rms, 2.0 * rms, float(np.max(np.abs(values - mean))))
         return found
 
 
@@ -166,13 +172,14 @@ def long_run_spectra(source: Seaway, motion: SeawayMotion, omega: FloatArray) ->
         motion: The motion: its roll damping is the same.
         omega: Evenly spaced encounter frequencies from 0 on [rad/s], (n,).
     """
-    spectrum = source.sea()
+    spectrum, speed = source.sea(), source.speed_kn * KNOT
     wave_omega, angle, amplitude = quadrature(spectrum, Spreading(source.spreading), FREQUENCIES, DIRECTIONS)
+    heading = np.radians(source.heading_deg) + angle
     response = load_ship(source.ship).response.respond(
         wave_omega,
-        np.radians(source.heading_deg) + angle,
+        heading,
         amplitude,
-        source.speed_kn * KNOT,
+        speed,
         roll_damping_factor=source.roll_damping_factor,
         gm_factor=source.gm_factor,
     )
@@ -187,7 +194,9 @@ def long_run_spectra(source: Seaway, motion: SeawayMotion, omega: FloatArray) ->
         "lateral_acceleration_g": transfer.lateral / GRAVITY,
         "lateral_specific_force_g": transfer.lateral_specific_force / GRAVITY,
     }
-    energy, place = 0.5 * amplitude**2, np.abs(response.omega_e)
+    energy = 0.5 * amplitude**2
+    cell = float(np.ptp(wave_omega)) / (FREQUENCIES - 1) * ((np.arange(PARTS) + 0.5) / PARTS - 0.5)
+    place = np.abs(encounter(wave_omega + cell[:, np.newaxis], heading, speed, GRAVITY))
     return Spectra(
         omega,
         _density(place, energy, omega),
@@ -197,34 +206,54 @@ def long_run_spectra(source: Seaway, motion: SeawayMotion, omega: FloatArray) ->
 
 
 def write_spectra(path: str | Path, spectra: Spectra, comments: Sequence[str]) -> None:
-    """Write spectra as CSV, one row a frequency; units in the names of the columns.
+    """Write spectra as CSV, one row a frequency; the head says what each column is.
 
     Args:
         path: The file.
         spectra: What is written.
         comments: Lines that head the file, each behind a ``#``.
     """
-    columns = {"omega_radps": spectra.omega, "wave_encounter_m2s": spectra.wave, "wave_m2s": spectra.wave_at_rest}
-    columns |= {f"{key}_squared_s": values for key, values in spectra.deck.items()}
-    lines = [*(f"# {line}" for line in comments), ",".join(columns)]
+    met, at_rest = "elevation_over_encounter_m_squared_s", "elevation_over_wave_m_squared_s"
+    columns = {"omega_radps": spectra.omega, met: spectra.wave, at_rest: spectra.wave_at_rest}
+    columns |= {quantity.column: spectra.deck[quantity.key] for quantity in QUANTITIES}
+    told = [
+        "long-run spectral densities, one-sided: the integral of a column over omega_radps is the variance",
+        f"omega_radps: frequency [rad/s]; of encounter for all columns but {at_rest}",
+        f"{met}: sea at the ship's mean place, over encounter frequency [m^2 s/rad]",
+        f"{at_rest}: sea, here omega_radps is the wave frequency at a place at rest [m^2 s/rad]",
+        *(f"{q.column}: {q.label}, over encounter frequency [({q.unit})^2 s/rad]" for q in QUANTITIES),
+    ]
+    lines = [*(f"# {line}" for line in (*comments, *told)), ",".join(columns)]
     lines += [",".join(f"{value:.8g}" for value in row) for row in zip(*columns.values(), strict=True)]
     write_text(path, "\n".join(lines) + "\n")
 
 
 def _density(place: FloatArray, energy: FloatArray, omega: FloatArray) -> FloatArray:
-    """Density (n,) on an even grid of energies at single frequencies, smoothed; what falls below 0 is turned back."""
+    """Density (n,) on an even grid, smoothed; what falls below 0 is turned back.
+
+    Args:
+        place: Frequencies that each cell's energy is spread over in equal parts [rad/s], (PARTS, m).
+        energy: Energy of each cell, (m,).
+        omega: The grid from 0 on [rad/s], (n,).
+    """
     from scipy.ndimage import gaussian_filter1d
 
-    step = float(omega[1] - omega[0])
-    edges = np.append(omega - 0.5 * step, omega[-1] + 0.5 * step)
-    lumps = np.histogram(place, bins=edges, weights=energy)[0] / step
-    return np.asarray(gaussian_filter1d(lumps, KERNEL_RADPS / step, mode="reflect"), dtype=np.float64)
+    step, last = float(omega[1] - omega[0]), len(omega) - 1
+    lumps = np.zeros(last + 2)  # what is beyond the grid gathers behind its end
+    for part in place / step:
+        left = np.minimum(part.astype(np.int64), last)
+        # Shared between the two neighbours: counting whole parts would leave a pattern of fuller and emptier bins.
+        right = np.minimum(part - left, 1.0) * energy
+        lumps += np.bincount(left, energy - right, last + 2) + np.bincount(left + 1, right, last + 2)
+    density = lumps[: last + 1] / (PARTS * step)
+    return np.asarray(gaussian_filter1d(density, KERNEL_RADPS / step, mode="reflect"), dtype=np.float64)
 
 
 def record_spectrum(values: FloatArray, step_s: float) -> tuple[FloatArray, FloatArray]:
-    """Spectral density of a record by Welch's method.
+    """Spectral density of a record by Welch's method, scaled to the record's variance.
 
     Hann window over pieces of 120 s or less that overlap by half, padded to four times their length for a smooth line.
+    Windows and pieces see more or less of the record than its whole: the scaling makes the integral the variance.
 
     Args:
         values: Evenly spaced values, (n,).
@@ -237,4 +266,6 @@ def record_spectrum(values: FloatArray, step_s: float) -> tuple[FloatArray, Floa
 
     length = min(len(values), max(8, round(WELCH_S / step_s)))
     hertz, density = welch(values, 1.0 / step_s, nperseg=length, nfft=4 * length, detrend="constant")
-    return 2.0 * np.pi * hertz, density / (2.0 * np.pi)
+    omega = 2.0 * np.pi * hertz
+    found = float(np.sum(density)) * float(omega[1] - omega[0])
+    return omega, density * (float(np.var(values)) / found) if found > 0.0 else density

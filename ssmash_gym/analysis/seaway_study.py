@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from ssmash_gym.analysis.reference_figures import REFERENCE, REFERENCE_HEADINGS, REFERENCE_SEVERITIES
 from ssmash_gym.ship import (
     SEA_STATES,
     DeckRms,
@@ -37,46 +38,9 @@ Array = NDArray[np.float64]
 Part = Literal["cells", "scatter", "reference", "derivatives", "cost"]
 
 # The severities that a cell is judged by, and their short names.
-SEVERITIES: Final = {
-    "roll_deg": "roll [deg]",
-    "pitch_deg": "pitch [deg]",
-    "vertical_velocity_m_s": "v_z [m/s]",
-    "vertical_acceleration_g": "a_z [g]",
-    "lateral_specific_force_g": "f_y [g]",
-}
-JUDGED: Final = ("roll_deg", "pitch_deg", "vertical_velocity_m_s", "lateral_specific_force_g")
-REFERENCE_HEADINGS: Final = (0, 45, 90, 135, 180)
-
-# Reference figures of an independent prototype of the same method (same main dimensions, GM, gyradii and damping model;
-# its own hull, hydrodynamics and waves): means of 4 records of 600 s, short-crested Bretschneider seas, RMS of roll
-# [deg], pitch [deg], vertical velocity [m/s], vertical acceleration [g] and lateral specific force [g] of the deck
-# point for the headings 0, 45, 90, 135, 180. They carry 3-4 % of sampling scatter.
-REFERENCE: Final[dict[tuple[int, int], tuple[tuple[float, ...], ...]]] = {
-    (4, 10): (
-        (1.68, 0.34, 0.14, 0.008, 0.034), (1.86, 0.36, 0.23, 0.019, 0.043), (1.78, 0.46, 0.35, 0.034, 0.048),
-        (0.89, 0.51, 0.35, 0.036, 0.033), (0.39, 0.50, 0.29, 0.029, 0.018),
-    ),
-    (4, 18): (
-        (1.08, 0.31, 0.09, 0.004, 0.018), (1.32, 0.34, 0.21, 0.019, 0.029), (1.43, 0.45, 0.39, 0.043, 0.039),
-        (0.75, 0.54, 0.43, 0.050, 0.030), (0.26, 0.52, 0.36, 0.043, 0.018),
-    ),
-    (5, 10): (
-        (2.89, 0.63, 0.26, 0.014, 0.056), (3.05, 0.68, 0.40, 0.032, 0.071), (3.26, 0.77, 0.59, 0.056, 0.083),
-        (1.69, 0.91, 0.59, 0.057, 0.056), (0.97, 1.00, 0.56, 0.053, 0.035),
-    ),
-    (5, 18): (
-        (1.74, 0.53, 0.16, 0.007, 0.027), (2.45, 0.62, 0.36, 0.032, 0.050), (2.35, 0.80, 0.66, 0.070, 0.063),
-        (1.41, 0.97, 0.74, 0.084, 0.052), (0.59, 1.04, 0.68, 0.078, 0.033),
-    ),
-    (6, 10): (
-        (3.67, 0.99, 0.41, 0.020, 0.066), (4.34, 1.02, 0.59, 0.039, 0.091), (4.38, 1.04, 0.79, 0.063, 0.102),
-        (3.08, 1.38, 0.85, 0.071, 0.082), (2.11, 1.43, 0.78, 0.064, 0.059),
-    ),
-    (6, 18): (
-        (2.30, 1.00, 0.29, 0.011, 0.032), (3.18, 0.89, 0.50, 0.037, 0.061), (3.68, 1.07, 0.88, 0.081, 0.089),
-        (2.28, 1.42, 0.99, 0.098, 0.070), (1.38, 1.68, 1.00, 0.099, 0.048),
-    ),
-}  # fmt: skip
+SEVERITIES: Final = dict(
+    zip(REFERENCE_SEVERITIES, ("roll [deg]", "pitch [deg]", "v_z [m/s]", "a_z [g]", "f_y [g]"), strict=True)
+)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from ssmash_gym.dynamics.engine import available_threads, lane_width
 from ssmash_gym.envs import limits
 from ssmash_gym.envs.divergence import divergence, dump
 from ssmash_gym.envs.episode import EpisodeBook
-from ssmash_gym.envs.nursery import Nursery
+from ssmash_gym.envs.nursery import Nursery, move_on
 from ssmash_gym.envs.observations import Observer
 from ssmash_gym.envs.reading import Reading, columns_of, half_spread
 from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards
@@ -27,6 +27,7 @@ from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, load_scenario
 from ssmash_gym.envs.sensors import Instruments
 from ssmash_gym.envs.starts import Starter
 from ssmash_gym.envs.task import TaskConfig, load_task
+from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation.batch import Snapshot
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.vehicle import Helicopter, helicopter_from, load_helicopter, with_changes
@@ -164,12 +165,17 @@ class TraverseBatch:
         """
         chosen = self.batch.columns(columns)
         given = self.starter.checked(draws, chosen.size, self.sensors.longest_delay_s, self.sensors.noisy)
+        before = list(self.generators)
         for i, k in enumerate(chosen):
             seed = None if seeds is None else seeds[i]
             if seed is not None or self.generators[k] is None:
                 self.generators[k] = np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))
                 self._nursery.forget(int(k))
-        self._start(chosen, given)
+        try:
+            self._start(chosen, given)
+        except ConfigurationError:
+            self.generators = before
+            raise
         self.book.begin(chosen)
         telemetry, broken = columns_of(self.batch.telemetry, chosen, instant=True)
         first = self._reading(chosen, telemetry, broken, np.zeros((chosen.size, ACTIONS)))
@@ -184,11 +190,14 @@ class TraverseBatch:
     def _start(self, columns: Columns, given: Sequence[EpisodeDraw | None]) -> None:
         """Draw (or take) the columns' episodes and bring them to their start."""
         if any(draw is not None for draw in given):
-            for k, draw in zip(columns, given, strict=True):
+            ahead = [copy.deepcopy(self._generator(int(k))) for k in columns]
+            drawn = [self.scenario.sample(generator) for generator in ahead]
+            chosen = [own if draw is None else draw for own, draw in zip(drawn, given, strict=True)]
+            self.starter.start(self.batch, columns, chosen)
+            for k, draw, generator in zip(columns, chosen, ahead, strict=True):
                 self._nursery.forget(int(k))
-                drawn = self.scenario.sample(self._generator(int(k)))
-                self.draws[k] = drawn if draw is None else draw
-            self.starter.start(self.batch, columns, [d for d in (self.draws[k] for k in columns) if d])
+                self.draws[k] = draw
+                move_on(self._generator(int(k)), generator)
             return
         self._nursery.start(self.batch, columns, self.generators, self.draws, self.book.steps)
 
@@ -296,7 +305,7 @@ class TraverseBatch:
                 info["divergence"]["dump"] = dump(self.dump_dir, self.batch, k, self.draws[k], dict(info["divergence"]))
         return info
 
-    def _sea(self, k: int) -> dict[str, float | bool]:
+    def _sea(self, k: int) -> dict[str, float | bool | None]:
         """How severe the sea of column k's episode is: metrics that no policy can change."""
         draw = self.draws[k]
         assert draw is not None

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ssmash_gym.envs.motions import plain
 from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship import Motion, MotionSource, MotionTable, parse_motion
 from ssmash_gym.ship.seaway import Seaway
 from ssmash_gym.ship.wind import Gust, GustTable
@@ -20,6 +21,7 @@ from ssmash_gym.simulation.batch import Timing
 Array = NDArray[np.float64]
 _REMEMBERED: Final = 4096  # seas whose figures are kept; more are worked out anew
 _GUSTS: Final = 1  # distinguishes the gusts' random numbers from the waves' of the same seed
+_CERTAIN: Final = ("fixed", "sinusoid", "file")  # types of motion that draw nothing: the same whatever the seed
 
 
 @dataclass(frozen=True)
@@ -29,21 +31,27 @@ class SeaFigures:
     Attributes:
         lateral_g: RMS of the deck's lateral specific force (what tires and probe feel) [g].
         roll_deg: RMS of the roll about its mean [deg].
-        hs_m: Significant wave height [m]; not a number where the deck moves without a sea.
+        hs_m: Significant wave height [m]; this and the next two are None where the deck moves without a sea.
+        heading_deg: Where the waves travel relative to the ship: 0 with it, 90 to starboard, 180 against it [deg].
+        speed_kn: Speed of the ship [kn].
         within_validity: Whether the model of the motion holds for it.
     """
 
     lateral_g: float
     roll_deg: float
-    hs_m: float
+    hs_m: float | None
+    heading_deg: float | None
+    speed_kn: float | None
     within_validity: bool
 
-    def metrics(self) -> dict[str, float | bool]:
-        """As they stand in an episode's metrics."""
+    def metrics(self) -> dict[str, float | bool | None]:
+        """As they stand in an episode's metrics; None for what does not exist."""
         return {
             "sea_lateral_g": self.lateral_g,
             "sea_roll_deg": self.roll_deg,
             "sea_hs_m": self.hs_m,
+            "sea_heading_deg": self.heading_deg,
+            "sea_speed_kn": self.speed_kn,
             "within_validity": self.within_validity,
         }
 
@@ -80,13 +88,13 @@ class Decks:
         """
         source, start_s = self._source(given)
         motion = source.realise(np.random.default_rng(seed))
-        if isinstance(source, Seaway):  # where the drawn sea is at hand, its figures cost next to nothing
+        if given["type"] not in _CERTAIN:  # where what was drawn is at hand, its figures cost next to nothing
             self._remember(_key(given, seed), source, motion)
         return motion.bake(self._duration_s, self._spacing_s, ramp_s=self._ramp_s, start_s=start_s)
 
     def _source(self, given: Mapping[str, Any]) -> tuple[MotionSource, float]:
-        section = dict(given)
-        start_s = float(section.pop("start_s", 0.0))
+        section, besides = plain(given)
+        start_s = float(besides.get("start_s", 0.0))
         if section["type"] != "file":
             return parse_motion(section, where="motion"), start_s
         key = tuple(f"{name}={value}" for name, value in sorted(section.items()))
@@ -105,6 +113,18 @@ class Decks:
         gust = Gust.draw(draw.wind_speed_mps, draw.wind_gust_intensity, rng)
         return gust.bake(self._duration_s, self._spacing_s, ramp_s=self._ramp_s)
 
+    def tables(self, draws: Sequence[EpisodeDraw]) -> tuple[list[MotionTable], list[GustTable | None]]:
+        """Deck motion and gusts of draws, one table each.
+
+        Raises:
+            ConfigurationError: A draw is refused by its table: the motion is too fast for it, or too short.
+        """
+        try:
+            decks = [self.baked(draw.motion, draw.motion_seed) for draw in draws]
+        except ConfigurationError as error:
+            raise ConfigurationError(f"draw: motion: {error}") from None
+        return decks, [self.gusts(draw) for draw in draws]
+
     def figures(self, draw: EpisodeDraw) -> SeaFigures:
         """What the deck motion of a draw amounts to."""
         key = _key(draw.motion, draw.motion_seed)
@@ -120,12 +140,14 @@ class Decks:
         self._figures[key] = SeaFigures(
             lateral_g=float(found.lateral_specific_force_g),
             roll_deg=float(found.roll_deg),
-            hs_m=float(source.sea().hs_m) if isinstance(source, Seaway) else math.nan,
+            hs_m=float(source.sea().hs_m) if isinstance(source, Seaway) else None,
+            heading_deg=source.heading_deg if isinstance(source, Seaway) else None,
+            speed_kn=source.speed_kn if isinstance(source, Seaway) else None,
             within_validity=motion.outside_validity is None,
         )
 
 
 def _key(given: Mapping[str, Any], seed: int) -> str:
-    """Tells motions apart; the start within a record makes no other motion, and a record has no seed."""
-    section = {name: value for name, value in sorted(given.items()) if name != "start_s"}
-    return f"{0 if section['type'] == 'file' else seed} {section!r}"
+    """Tells motions apart; the start within a record makes no other motion, nor does a seed where nothing is drawn."""
+    section = dict(sorted(plain(given)[0].items()))
+    return f"{0 if section['type'] in _CERTAIN else seed} {section!r}"

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from ssmash_gym.assets import asset_path
 from ssmash_gym.envs.ranges import RANGE_KEYS
 from ssmash_gym.errors import ConfigurationError, shown
+from ssmash_gym.ship.ships import from_folder
 from ssmash_gym.vehicle.document import read_yaml
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -71,11 +72,16 @@ def read(folder: str, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
 
 
 def resolved(document: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Make the paths of recorded motions and of a ship's file absolute, taken from the file's folder."""
+    """Make the paths of recorded motions and of a ship's files absolute, taken from the file's folder."""
     motion = document.get("motion")
-    if isinstance(motion, dict) and str(motion.get("ship", "")).endswith((".yaml", ".yml")):
-        motion["ship"] = str((folder / motion["ship"]).resolve())
-    if isinstance(motion, dict) and isinstance(motion.get("paths"), list):
+    if not isinstance(motion, dict):
+        return document
+    ship = motion.get("ship")
+    if isinstance(ship, dict):
+        motion["ship"] = from_folder(ship, folder.resolve())
+    elif str(ship).endswith((".yaml", ".yml")):
+        motion["ship"] = str((folder / str(ship)).resolve())
+    if isinstance(motion.get("paths"), list):
         motion["paths"] = [str((folder / str(path)).resolve()) for path in motion["paths"]]
     return document
 
@@ -83,7 +89,8 @@ def resolved(document: dict[str, Any], folder: Path) -> dict[str, Any]:
 def merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """The document with the changes laid over it: mappings merge key by key, everything else is replaced.
 
-    A mapping is replaced as a whole where the change is a range (`ssmash_gym.envs.ranges`) or of another ``type``.
+    A mapping is replaced as a whole where the change is a range (`ssmash_gym.envs.ranges`), of another ``type`` or on
+    another ``base``.
     """
     result = dict(document)
     for key, value in changes.items():
@@ -97,7 +104,7 @@ def merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
 
 def _replaces(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
     ranges = bool(RANGE_KEYS & set(new)) or bool(RANGE_KEYS & set(old))
-    return ranges or ("type" in new and new["type"] != old.get("type"))
+    return ranges or any(key in new and new[key] != old.get(key) for key in ("type", BASE_KEY))
 
 
 def validated(model: type[Model], document: Mapping[str, Any], source: str) -> Model:

@@ -5,7 +5,8 @@ A draw gives a section that `ssmash_gym.ship.parse_motion` understands. Another 
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -21,8 +22,23 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 DOFS: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+BESIDES: Final = ("start_s", "lateral_g")  # what a draw's motion tells and no motion source reads
 _ZERO: Final = Constant(constant=0.0)
 _ONE: Final = Constant(constant=1.0)
+
+
+def plain(drawn: Mapping[str, Any]) -> tuple[Section, dict[str, Any]]:
+    """A drawn section as `parse_motion` reads it, and what the draw tells besides.
+
+    Args:
+        drawn: `EpisodeDraw.motion`.
+
+    Returns:
+        The section; and of ``start_s`` (time of a record at the start [s]) and ``lateral_g`` (the asked long-run RMS of
+        the deck's lateral specific force [g]) those that there are.
+    """
+    besides = {key: value for key, value in drawn.items() if key in BESIDES}
+    return {key: value for key, value in drawn.items() if key not in BESIDES}, besides
 
 
 def _sine(period_s: float) -> Section:

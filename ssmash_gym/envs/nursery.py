@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from ssmash_gym.dynamics.engine import lane_width
 from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter
+from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.simulation.batch import Batch
 
 Columns = NDArray[np.int64]
@@ -74,16 +76,22 @@ class Nursery:
             generators: One a column of the batch; those of `columns` move on by one draw.
             draws: One a column of the batch; those of `columns` are replaced.
             steps: How long each column's episode has run: the longest ones are prepared first.
+
+        Raises:
+            ConfigurationError: A draw is refused; nothing has been started, and no generator has moved on.
         """
         missing = np.array([k for k in columns if int(k) not in self._children], dtype=np.int64)
         if 0 < missing.size < self._width and self._capacity:
-            self._prepare(missing, generators, steps)
-            missing = missing[:0]
+            with suppress(ConfigurationError):  # perhaps of a neighbour, whose own start will tell
+                self._prepare(missing, generators, steps)
+            missing = np.array([k for k in missing if int(k) not in self._children], dtype=np.int64)
         if missing.size:
-            fresh = [self._starter.scenario.sample(_of(generators, k)) for k in missing]
+            ahead = [copy.deepcopy(_of(generators, k)) for k in missing]
+            fresh = [self._starter.scenario.sample(generator) for generator in ahead]
             self._starter.start(batch, missing, fresh)
-            for k, draw in zip(missing, fresh, strict=True):
+            for k, draw, generator in zip(missing, fresh, ahead, strict=True):
                 draws[k] = draw
+                move_on(_of(generators, k), generator)
         ready = [int(k) for k in columns if int(k) in self._children]
         if ready and self._batch is not None:
             children = [self._children.pop(k) for k in ready]
@@ -104,17 +112,23 @@ class Nursery:
         others = [int(k) for k in np.argsort(-steps, kind="stable") if int(k) not in self._children]
         wanted += [k for k in others if k not in wanted and generators[k] is not None]
         chosen = wanted[: len(free)]
-        drawn: list[EpisodeDraw] = []
+        children: dict[int, _Child] = {}
         for k, slot in zip(chosen, free, strict=False):
             generator = copy.deepcopy(_of(generators, k))
-            drawn.append(self._starter.scenario.sample(generator))
-            self._children[k] = _Child(slot, drawn[-1], generator)
-        self._starter.start(self._batch, np.array(free[: len(chosen)], dtype=np.int64), drawn)
+            children[k] = _Child(slot, self._starter.scenario.sample(generator), generator)
+        slots = np.array(free[: len(chosen)], dtype=np.int64)
+        self._starter.start(self._batch, slots, [child.draw for child in children.values()])
+        self._children |= children  # only now: a refused draw is no start
 
     def _make_room(self, count: int, steps: NDArray[np.int64]) -> None:
         """Give up prepared starts until `count` slots are free, those needed last first."""
         while self._capacity - len(self._children) < count:
             del self._children[min(self._children, key=lambda k: int(steps[k]))]
+
+
+def move_on(generator: np.random.Generator, ahead: np.random.Generator) -> None:
+    """Bring a generator to where a copy of it has got to; it stays the same object, which others may hold."""
+    generator.bit_generator.state = ahead.bit_generator.state
 
 
 def _of(generators: Sequence[np.random.Generator | None], k: int) -> np.random.Generator:

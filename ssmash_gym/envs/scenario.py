@@ -130,8 +130,9 @@ class ScenarioConfig(_Section):
 class EpisodeDraw:
     """Everything that was drawn for one episode, in plain numbers: with it an episode can be started again.
 
-    The fields are the scenario's keys with their section in front; `motion` is a section for
-    `ssmash_gym.ship.parse_motion`. None takes the task's value.
+    The fields are the scenario's keys with their section in front. None takes the task's value. `motion` is a section
+    for `ssmash_gym.ship.parse_motion`, with the ``start_s`` of a record beside it, and ``lateral_g`` where the wave
+    height was solved for that target (`ssmash_gym.envs.motions.plain` takes them apart).
     """
 
     start_yaw_deg: float
@@ -208,10 +209,10 @@ def _check_motion(draw: EpisodeDraw) -> None:
     """Refuse a motion that is none, or that has a mean speed of its own beside the wind's."""
     if not isinstance(draw.motion, Mapping):
         raise refusal("draw", "motion", draw.motion, "must be a mapping, as in info['draw']")
-    motion = dict(draw.motion)
-    start_s = motion.pop("start_s", 0.0)
-    if not _finite(start_s):
-        raise refusal("draw", "motion.start_s", start_s, "must be a finite number")
+    motion, besides = motions.plain(draw.motion)
+    for key, value in besides.items():
+        if not _finite(value):
+            raise refusal("draw", f"motion.{key}", value, "must be a finite number")
     source = parse_motion(motion, where="draw: motion")
     speed = draw.wind_ship_speed_mps
     if motion["type"] == "file" and not motion.get("detrend", True) and speed:

@@ -6,18 +6,20 @@ lateral specific force that the deck shall have: then the wave height is solved 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import json
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs.ranges import Constant, Extremes, Range, Section, Uniforms, within
 from ssmash_gym.ship import parse_motion
 from ssmash_gym.ship.sea import GAMMA, SEA_STATES, TP_RANGE_S, check_steepness, period_of_height
-from ssmash_gym.ship.seaway import COMPONENTS, FEWEST_COMPONENTS, MOST_COMPONENTS
+from ssmash_gym.ship.seaway import COMPONENTS, FEWEST_COMPONENTS, GREATEST_SHIFT_M, MOST_COMPONENTS
 
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Shift = Annotated[Range, within(-GREATEST_SHIFT_M, GREATEST_SHIFT_M)]
 GREATEST_SPEED_KN: Final = 25.0
 HIGHEST_M: Final = 11.5  # significant height up to which a wind belongs to the sea
 _PAIRS: Final = (min(SEA_STATES.values())[0], max(SEA_STATES.values())[0])  # heights that have a period
@@ -81,13 +83,16 @@ class SeawayMotions(BaseModel):
 
     The height is `hs_m`, or that of a `sea_state`; the period belongs to it (STANAG 4194 pairs) times `tp_factor`, or
     is `tp_s`. With `lateral_g` the height is solved for within the bounds of `hs_m`, so that the drawn sea has that
-    long-run RMS of the deck's lateral specific force; where no allowed height has it, the nearer bound is taken.
+    long-run RMS of the deck's lateral specific force; where no allowed height has it, the nearer bound is taken. The
+    draw holds the target as ``lateral_g``; what the sea came to is the episode's metric ``sea_lateral_g``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     type: Literal["seaway"] = "seaway"
-    ship: str = Field("frigate", description="name in configs/ships, or the path of a YAML file")
+    ship: str | dict[str, Any] = Field(
+        "frigate", description="name in configs/ships, the path of a YAML file, or a mapping, perhaps with a `base`"
+    )
     sea_state: int | None = Field(None, description="NATO sea state, 2 to 6: its significant height and peak period")
     hs_m: Annotated[Range, within(0.01, HIGHEST_M)] | None = Field(None, description="significant wave height [m]")
     tp_s: Annotated[Range, within(*TP_RANGE_S)] | None = Field(
@@ -100,15 +105,15 @@ class SeawayMotions(BaseModel):
     spectrum: SpectrumWeights = Field(SpectrumWeights(bretschneider=1.0), description="a name, or weights of names")
     gamma: Annotated[float, Field(ge=1.0, le=7.0)] = Field(GAMMA, description="peakedness of JONSWAP")
     spreading: SpreadingWeights = Field(SpreadingWeights(cos2=1.0), description="a name, or weights of names")
-    heading_deg: Range = Field(
+    heading_deg: Annotated[Range, within(-720.0, 720.0)] = Field(
         description="waves travel: 0 with the ship, 90 from port to starboard, 180 against [deg]"
     )
     speed_kn: Annotated[Range, within(0.0, GREATEST_SPEED_KN)] = Field(description="speed of the ship [kn]")
-    roll_damping_factor: Annotated[Range, within(0.1, 5.0)] = Field(_ONE, description="on the ship's roll damping")
-    gm_factor: Annotated[Range, within(0.3, 3.0)] = Field(_ONE, description="on the ship's metacentric height")
-    deck_shift_x_m: Range = Field(_ZERO, description="deck point from where the ship has it, forward [m]")
-    deck_shift_y_m: Range = Field(_ZERO, description="the same, to starboard [m]")
-    deck_shift_z_m: Range = Field(_ZERO, description="the same, down [m]")
+    roll_damping_factor: Annotated[Range, within(0.5, 2.0)] = Field(_ONE, description="on the ship's roll damping")
+    gm_factor: Annotated[Range, within(0.5, 2.0)] = Field(_ONE, description="on the ship's metacentric height")
+    deck_shift_x_m: Shift = Field(_ZERO, description="deck point from where the ship has it, forward [m]")
+    deck_shift_y_m: Shift = Field(_ZERO, description="the same, to starboard [m]")
+    deck_shift_z_m: Shift = Field(_ZERO, description="the same, down [m]")
     heel_deg: Annotated[Range, within(-30.0, 30.0)] = Field(
         _ZERO, description="mean roll, starboard down positive [deg]"
     )
@@ -117,17 +122,33 @@ class SeawayMotions(BaseModel):
         COMPONENTS, description="waves of the sea; 256 for half an hour"
     )
 
+    @field_validator("ship", mode="before")
+    @classmethod
+    def _ready_for_json(cls, given: Any) -> Any:
+        if not isinstance(given, Mapping):
+            if isinstance(given, str):
+                return given
+            raise ValueError(f"{given!r} is no ship; give a name, the path of a YAML file, or a mapping")
+        try:
+            return json.loads(json.dumps(dict(given), allow_nan=False))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"a mapping must hold plain finite numbers, texts and lists ({error})") from None
+
     @model_validator(mode="after")
     def _one_way_to_say_it(self) -> Self:
         if (self.hs_m is None) == (self.sea_state is None):
-            raise ValueError("give hs_m or sea_state, and not both")
+            raise ValueError("give hs_m or sea_state, and not both; sea_state: null or hs_m: null takes a base's away")
         if self.sea_state is not None and self.sea_state not in SEA_STATES:
             allowed = ", ".join(str(state) for state in SEA_STATES)
             raise ValueError(f"sea_state = {self.sea_state}: must be one of {allowed} (no other has a source)")
         if self.tp_s is not None and (self.sea_state is not None or self.tp_factor != _ONE):
-            raise ValueError("tp_s stands instead of a sea_state's period and of tp_factor: leave one of them out")
+            raise ValueError(
+                "tp_s stands instead of a sea_state's period and of tp_factor: leave one of them out (sea_state: null "
+                "and tp_factor: 1 take a base's away)"
+            )
         if self.lateral_g is not None and (self.hs_m is None or self.hs_m.bounds[0] == self.hs_m.bounds[1]):
-            raise ValueError("lateral_g needs a range of hs_m, within which the height is solved for")
+            instead = "" if self.sea_state is None else f", and sea_state: null instead of {self.sea_state}"
+            raise ValueError(f"lateral_g needs a range of hs_m, within which the height is solved for{instead}")
         low, high = self._heights
         if self.tp_s is None and not (_PAIRS[0] <= low and high <= _PAIRS[1]):
             raise ValueError(
@@ -156,7 +177,7 @@ class SeawayMotions(BaseModel):
             yield hs_m, period_of_height(hs_m) * self.tp_factor.bounds[0]
 
     def draw(self, u: Uniforms, seed: int) -> Section:
-        """A section for `parse_motion`.
+        """A section for `parse_motion` (`ssmash_gym.envs.motions.plain`: without the target ``lateral_g``, if any).
 
         Args:
             u: Uniform numbers by name.
@@ -190,7 +211,8 @@ class SeawayMotions(BaseModel):
         if self.lateral_g is None:
             return with_height(self._heights[0] if self.hs_m is None else self.hs_m.draw(u("motion.hs_m")))
         target = self.lateral_g.draw(u("motion.lateral_g"))
-        return with_height(solved(lambda hs_m: lateral_force_g(with_height(hs_m), seed) - target, *self._heights))
+        height = solved(lambda hs_m: lateral_force_g(with_height(hs_m), seed) - target, *self._heights)
+        return {**with_height(height), "lateral_g": target}
 
     def extremes(self) -> Extremes:
         """Sections that ask most of a table or of the ship, each with the key that is at fault if it is refused."""

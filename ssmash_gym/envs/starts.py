@@ -165,6 +165,7 @@ class Starter:
         self._check_ranges()
 
     def _check_ranges(self) -> None:
+        self._check_motion()  # first: an example of a bad motion would be refused as a draw
         lateral = self.scenario.bounds("start.lateral_m") or (0.0, 0.0)
         if max(abs(lateral[0]), abs(lateral[1])) > self.task.claw.y_travel_m:
             raise ConfigurationError(
@@ -178,7 +179,6 @@ class Starter:
             }
             if tuple(extreme.values()) != tuple(_VARIED.values()):
                 varied(self.helicopter, EpisodeDraw.from_dict({**example, **extreme}))
-        self._check_motion()
 
     def _check_motion(self) -> None:
         """Bake the motions that ask most of a table: what cannot be is told now, with the scenario's key."""
@@ -297,11 +297,16 @@ class Starter:
 
         The helicopter is settled on the deck as it first stands, the claw goes to its probe and is held through the
         lead-in while the motion is ramped in. On a level deck a long lead-in settles what the draw has changed.
+
+        Raises:
+            ConfigurationError: A draw is refused by its table; the batch is as it was.
         """
-        for k, draw in zip(columns, draws, strict=True):
-            batch.parameters[:, k] = self.column(draw)
-        batch.set_motion([self.table(draw) for draw in draws], columns)
-        batch.set_gusts([self.decks.gusts(draw) for draw in draws], columns)
+        parameters = [self.column(draw) for draw in draws]
+        decks, gusts = self.decks.tables(draws)
+        batch.set_motion(decks, columns)
+        batch.set_gusts(gusts, columns)
+        for k, column in zip(columns, parameters, strict=True):
+            batch.parameters[:, k] = column
         settles_by_itself = self.task.lead_in.duration_s >= _SETTLING_S
         exact = []
         for k, draw in zip(columns, draws, strict=True):

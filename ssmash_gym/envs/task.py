@@ -6,19 +6,21 @@ No operational source is public for most of them: each is assumed, with its grou
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs.loading import load
+from ssmash_gym.errors import shown
 from ssmash_gym.simulation.claw import ClawLimits
 from ssmash_gym.simulation.parameters import Modes
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+OBSERVATIONS: Final = ("sensors", "full", "forecast")  # the named sets
 
 
 class Section(BaseModel):
@@ -143,6 +145,14 @@ class TaskConfig(Section):
     observation: Literal["sensors", "full", "forecast"] | tuple[str, ...] = Field(description="a set, or terms")
     observation_clip: Positive = Field(description="bound of every scaled observation [1]")
     models: Models
+
+    @field_validator("observation", mode="before")
+    @classmethod
+    def _a_set_or_terms(cls, given: Any) -> Any:
+        listed = isinstance(given, Sequence) and not isinstance(given, str) and all(isinstance(n, str) for n in given)
+        if listed or given in OBSERVATIONS:
+            return given
+        raise ValueError(f"{shown(given)} is no observation; give {', '.join(OBSERVATIONS)}, or a list of terms' names")
 
     @model_validator(mode="after")
     def _whole_intervals(self) -> Self:

@@ -13,6 +13,7 @@ from ssmash_gym.envs.limits import GOAL, LIMITS, TIME
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.evaluation.policies import Policy
 
+OF_A_SEA: Final = ("sea_hs_m", "sea_heading_deg", "sea_speed_kn")  # numbers in every row, or missing in all
 LARGEST_BATCH: Final = 256  # helicopters at once; an episode's result does not depend on it
 
 
@@ -41,7 +42,7 @@ def run_episodes(
     rows: list[dict[str, Any]] = []
     for first in range(0, len(seeds), LARGEST_BATCH):
         rows += _run_batch(policy, scenario, seeds[first : first + LARGEST_BATCH], threads, tell)
-    return pl.DataFrame(rows)
+    return pl.DataFrame(rows, schema_overrides=dict.fromkeys(OF_A_SEA, pl.Float64))
 
 
 def _run_batch(

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 import ssmash_gym
+from ssmash_gym.envs.loading import names
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
@@ -65,21 +66,21 @@ def evaluate(
         report.require_matplotlib()
     if film and agent is not None:
         require_rendering()
-    policies, seas = chosen(agent, against, scenario, task)
+    policies, seas, name = chosen(agent, against, scenario, task)
     console = Console()
     seeds = block(seed, EVALUATION, episodes)
     rows = run_all(policies, seas, seeds, threads, console)
-    summary = summarised(policies, rows, seas, seed)
+    summary = summarised(policies, rows, seas, name, seed)
     write_results(out, summary, rows)
     shown = Console(width=max(console.width, 140)) if not console.is_terminal else console
-    title = f"{episodes} episodes, seed {seed}"
+    title = f"scenario {name}, {episodes} episodes, seed {seed}"
     shown.print(report.table(summary["policies"], title))
     shown.print(report.severity_table(summary["policies"]))
     if "comparison" in summary:
         for sentence in report.sentences(policies[0].name, summary["comparison"]):
             shown.print(sentence)
     if plots:
-        report.plot_peaks(rows, policies[0].task.limits.probe_in_plane_kN, out / "peaks.png")
+        report.plot_peaks(rows, policies[0].task.limits.probe_in_plane_kN, out / "peaks.png", title)
     if film and agent is not None:
         film_episode(policies[0], seas, typical_seed(rows[policies[0].name]), out / "episode.mp4")
     console.print(f"results in {out}")
@@ -87,13 +88,13 @@ def evaluate(
 
 def chosen(
     agent: str | None, against: str, scenario: Path | None, task: Path | None
-) -> tuple[list[Policy], ScenarioConfig]:
-    """The policies, the agent first, and the scenario.
+) -> tuple[list[Policy], ScenarioConfig, str]:
+    """The policies, the agent first, the scenario and its name.
 
     Raises:
         ConfigurationError: A name or file is refused.
     """
-    names = list(dict.fromkeys(name.strip() for name in against.split(",") if name.strip()))
+    others = list(dict.fromkeys(name.strip() for name in against.split(",") if name.strip()))
     scripted = agent is None or agent in baselines()
     learned = None if scripted else find_agent(str(agent))
     base = load_task("traverse") if learned is None else learned.task
@@ -102,13 +103,21 @@ def chosen(
     if learned is not None:
         policies.append(learned.within(common))
     elif agent is not None:
-        names = [agent, *(name for name in names if name != agent)]
-    policies += [make_baseline(name, common) for name in names]
+        others = [agent, *(name for name in others if name != agent)]
+    policies += [make_baseline(name, common) for name in others]
     if not policies:
         raise ConfigurationError("there is nothing to evaluate: give --agent, or names in --against.")
     if scenario is not None:
-        return policies, load_scenario(str(scenario))
-    return policies, load_scenario("training") if learned is None else learned.scenario
+        return policies, load_scenario(str(scenario)), Path(scenario).stem
+    if learned is None:
+        return policies, load_scenario("training"), "training"
+    return policies, learned.scenario, scenario_name(learned)
+
+
+def scenario_name(agent: Agent) -> str:
+    """Name of the scenario that an agent was trained in: the package's, if it is one of those."""
+    same = (name for name in names("scenarios") if load_scenario(name) == agent.scenario)
+    return next(same, f"of {agent.name}")
 
 
 def with_observation(task: TaskConfig, other: TaskConfig) -> TaskConfig:
@@ -135,18 +144,19 @@ def run_all(
 
 
 def summarised(
-    policies: list[Policy], rows: dict[str, pl.DataFrame], scenario: ScenarioConfig, seed: int
+    policies: list[Policy], rows: dict[str, pl.DataFrame], scenario: ScenarioConfig, name: str, seed: int
 ) -> dict[str, Any]:
     """The contents of ``summary.json``: ``policies``, ``comparison`` of the first with the others, and provenance."""
     first, *others = policies
-    document: dict[str, Any] = {"policies": {name: policy_summary(frame) for name, frame in rows.items()}}
+    document: dict[str, Any] = {"policies": {policy: policy_summary(frame) for policy, frame in rows.items()}}
     if others:
         document["comparison"] = {other.name: comparison(rows[first.name], rows[other.name]) for other in others}
     document |= {
         "seed": seed,
         "version": ssmash_gym.__version__,
         "configuration": fingerprint(first.task, scenario),
-        "scenario": scenario.description,
+        "scenario": name,
+        "scenario_description": scenario.description,
     }
     if isinstance(first, Agent):
         document["agent"] = {key: first.about[key] for key in ("name", "configuration") if key in first.about}

@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 from rich.table import Table
 
-from ssmash_gym.evaluation.summary import numbers
+from ssmash_gym.evaluation.summary import FEWEST, numbers
 from ssmash_gym.files import whole_file
 
 COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")  # distinct to most eyes
@@ -25,7 +25,9 @@ def table(policies: Mapping[str, Mapping[str, Any]], title: str) -> Table:
         title: Above the table.
     """
     found = Table(
-        title=title, caption="[...]: 95 % bootstrap intervals; a failed episode counts with the ultimate load"
+        title=title,
+        caption="[...]: 95 % intervals (success: Wilson, loads: bootstrap); "
+        "a failed episode counts with the ultimate load",
     )
     found.add_column("policy")
     for heading in (
@@ -60,7 +62,8 @@ def severity_table(policies: Mapping[str, Mapping[str, Any]]) -> Table:
     outside = 100 * first["outside_validity_rate"]
     found = Table(
         title="peak probe load by the deck's lateral specific force (long-run RMS): mean / P95 kN, success %",
-        caption=f"{outside:.1f} % of the episodes lie outside the validity of the ship's motion",
+        caption=f"{outside:.1f} % of the episodes lie outside the validity of the ship's motion; "
+        f"no P95 of fewer than {FEWEST} episodes",
     )
     found.add_column("policy")
     for band in first["by_lateral_g"]:
@@ -69,7 +72,8 @@ def severity_table(policies: Mapping[str, Mapping[str, Any]]) -> Table:
         cells = []
         for band in summary["by_lateral_g"]:
             load = band["peak_probe_kN"]
-            cells.append(f"{load['mean']:.1f} / {load['p95']:.1f}, {100 * band['success_rate']:.0f}")
+            highest = "-" if load["p95"] is None else f"{load['p95']:.1f}"
+            cells.append(f"{load['mean']:.1f} / {highest}, {100 * band['success_rate']:.0f}")
         found.add_row(name, *cells)
     return found
 
@@ -106,18 +110,20 @@ def require_matplotlib() -> None:
         raise ImportError('plots need Matplotlib: pip install "ssmash_gym[plot]", or say --no-plots.') from None
 
 
-def plot_peaks(episodes: Mapping[str, pl.DataFrame], limit_kN: float, path: Path) -> None:
+def plot_peaks(episodes: Mapping[str, pl.DataFrame], limit_kN: float, path: Path, title: str = "") -> None:
     """Peak probe load against time (left) and the share of episodes below a peak (right), as PNG.
 
     Args:
         episodes: Rows of each policy, by name.
         limit_kN: Cost limit of the probe load, drawn as a line.
         path: File to write.
+        title: Above both.
     """
     require_matplotlib()
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    figure.suptitle(title)
     scatter, shares = figure.subplots(1, 2)
     for k, (name, frame) in enumerate(episodes.items()):
         colour, marker = COLOURS[k % len(COLOURS)], MARKERS[k % len(MARKERS)]

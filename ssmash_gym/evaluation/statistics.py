@@ -1,4 +1,4 @@
-"""Statistics of episodes with bootstrap intervals."""
+"""Statistics of episodes with intervals: Wilson's for shares, percentile bootstrap for everything else."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CHUNK = 256  # resamples at once, to spare memory
 
 @dataclass(frozen=True)
 class Estimate:
-    """A statistic with the bounds of its bootstrap interval, in the unit of the sample."""
+    """A statistic with the bounds of its interval, in the unit of the sample."""
 
     value: float
     low: float
@@ -43,80 +43,65 @@ def median(values: ArrayLike, axis: int = -1) -> Array:
     return np.asarray(np.median(np.asarray(values, dtype=np.float64), axis=axis))
 
 
+def share(hits: ArrayLike, *, level: float = LEVEL) -> Estimate:
+    """Share of episodes with Wilson's interval, which has a width also where all or none are hits.
+
+    Args:
+        hits: (n,) 1 for a hit and 0 for none.
+        level: Share that the interval covers.
+
+    Raises:
+        ValueError: The sample is empty, or holds anything but 0 and 1.
+    """
+    from scipy.stats import binomtest
+
+    sample = _checked(hits)
+    if not np.all((sample == 0.0) | (sample == 1.0)):
+        raise ValueError("a share is of zeros and ones")
+    found = binomtest(int(np.sum(sample)), sample.size).proportion_ci(level, method="wilson")
+    return Estimate(float(np.mean(sample)), float(found.low), float(found.high))
+
+
 def bootstrap(
     values: ArrayLike,
     statistic: Callable[..., Array],
     *,
+    over: ArrayLike | None = None,
     resamples: int = RESAMPLES,
     level: float = LEVEL,
     seed: int = 0,
 ) -> Estimate:
-    """A statistic of one sample with its percentile bootstrap interval.
+    """A statistic of one sample, or its ratio to that of another one, with the percentile bootstrap interval.
 
     Args:
         values: (n,) one number an episode.
         statistic: Function of a sample and an axis, e.g. `p95`.
+        over: (n,) numbers of the same episodes: the ratio of the two statistics is taken, episodes are drawn in pairs.
         resamples: Samples drawn with replacement.
         level: Share that the interval covers.
         seed: Seed of the draws: the same sample gives the same interval.
 
     Raises:
-        ValueError: The sample is empty or not finite.
+        ValueError: A sample is empty or not finite, two are not of one length, or the statistic divided by is 0.
     """
-    sample = _checked(values)
-    drawn = _drawn(sample.size, lambda rows: statistic(sample[rows], axis=-1), resamples, seed)
-    return Estimate(float(statistic(sample)), *_bounds(drawn, level))
+    samples = [_checked(values)] if over is None else [_checked(values), _checked(over)]
+    if samples[0].size != samples[-1].size:
+        raise ValueError(f"paired samples: {samples[0].size} and {samples[-1].size} episodes")
 
+    def found(rows: NDArray[np.int64]) -> Array:
+        first, *divisors = (statistic(sample[rows], axis=-1) for sample in samples)
+        return np.asarray(first if not divisors else first / np.where(divisors[0] == 0.0, np.nan, divisors[0]))
 
-def bootstrap_ratio(
-    numerator: ArrayLike,
-    denominator: ArrayLike,
-    statistic: Callable[..., Array],
-    *,
-    resamples: int = RESAMPLES,
-    level: float = LEVEL,
-    seed: int = 0,
-) -> Estimate:
-    """Ratio of a statistic of two policies on the same episodes: the episodes are drawn in pairs.
-
-    Args:
-        numerator: (n,) one number an episode.
-        denominator: (n,) the other policy's on the same seeds.
-        statistic: As in `bootstrap`.
-        resamples: As there.
-        level: As there.
-        seed: As there.
-
-    Raises:
-        ValueError: The samples are not of one length, empty or not finite, or the denominator's statistic is 0.
-    """
-    above, below = _checked(numerator), _checked(denominator)
-    if above.size != below.size:
-        raise ValueError(f"paired samples: {above.size} and {below.size} episodes")
-    divisor = float(statistic(below))
-    if divisor == 0.0:
+    size = samples[0].size
+    value = float(found(np.arange(size)))
+    if np.isnan(value):
         raise ValueError("the denominator's statistic is 0")
-
-    def ratios(rows: NDArray[np.int64]) -> Array:
-        divisors = statistic(below[rows], axis=-1)
-        return np.asarray(statistic(above[rows], axis=-1) / np.where(divisors == 0.0, np.nan, divisors))
-
-    drawn = _drawn(above.size, ratios, resamples, seed)
-    return Estimate(float(statistic(above)) / divisor, *_bounds(drawn, level))
-
-
-def _drawn(size: int, of: Callable[[NDArray[np.int64]], Array], resamples: int, seed: int) -> Array:
-    """A statistic of many samples drawn with replacement; `of` takes rows of places, (draws, size)."""
     rng = np.random.default_rng(seed)
-    parts = [of(rng.integers(0, size, (min(CHUNK, resamples - first), size))) for first in range(0, resamples, CHUNK)]
-    return np.concatenate(parts)
-
-
-def _bounds(drawn: Array, level: float) -> tuple[float, float]:
-    """The percentile interval of drawn statistics."""
+    counts = (min(CHUNK, resamples - first) for first in range(0, resamples, CHUNK))
+    drawn = np.concatenate([found(rng.integers(0, size, (count, size))) for count in counts])
     tail = 50.0 * (1.0 - level)
     low, high = np.nanpercentile(drawn, [tail, 100.0 - tail])
-    return float(low), float(high)
+    return Estimate(value, float(low), float(high))
 
 
 def _checked(values: ArrayLike) -> Array:

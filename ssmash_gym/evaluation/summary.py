@@ -11,10 +11,11 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ssmash_gym.envs.limits import LIMITS
-from ssmash_gym.evaluation.statistics import bootstrap, bootstrap_ratio, mean, median, p95
+from ssmash_gym.evaluation.statistics import bootstrap, mean, median, p95, share
 
 ON_TIME: Final = 1.2  # a success counts as on time within this factor of the other policy's median time
 BANDS_G: Final = (0.0, 0.02, 0.04, 0.06, 0.08, math.inf)  # of the sea's lateral specific force, long-run RMS [g]
+FEWEST: Final = 20  # episodes of a band from which on it has a 95th percentile: below, that is all but the largest one
 
 
 def policy_summary(episodes: pl.DataFrame) -> dict[str, Any]:
@@ -24,13 +25,12 @@ def policy_summary(episodes: pl.DataFrame) -> dict[str, Any]:
     as a success. Times are those of successes; without any, those of all episodes. ``aligned_rate`` is the share that
     ended straight and on the centre line, wherever along the track, and without a failure; ``cost_rates`` are the
     shares of episodes in which a limit was exceeded at least once. ``outside_validity_rate`` is the share in seas for
-    which the model of the ship's motion is not valid, ``by_lateral_g`` the same numbers by severity (`bands`). All
-    intervals are 95 % bootstrap intervals.
+    which the model of the ship's motion is not valid, ``by_lateral_g`` the same numbers by severity (`bands`). The
+    success rate has Wilson's 95 % interval, loads have 95 % bootstrap intervals.
     """
     success, peak = numbers(episodes, "success"), numbers(episodes, "scored_peak_kN")
     aligned = numbers(episodes, "aligned") * (1.0 - numbers(episodes, "failed"))
-    succeeded, load = bootstrap(success, mean), bootstrap(peak, p95)
-    average = bootstrap(peak, mean)
+    succeeded, load, average = share(success), bootstrap(peak, p95), bootstrap(peak, mean)
     return {
         "episodes": episodes.height,
         "success_rate": succeeded.value,
@@ -65,8 +65,9 @@ def bands(episodes: pl.DataFrame) -> list[dict[str, Any]]:
         episodes: Rows as of `ssmash_gym.evaluation.episodes.run_episodes`.
 
     Returns:
-        For each band its bounds ``from_g`` and ``to_g`` (None: no bound), ``episodes``, ``success_rate``, and
-        ``peak_probe_kN`` with ``mean`` and ``p95``; a failed episode counts with the ultimate load.
+        For each band its bounds ``from_g`` and ``to_g`` (None: no bound), ``episodes``, ``success_rate`` with its
+        interval ``success_rate_ci``, and ``peak_probe_kN`` with ``mean`` and ``p95`` (None with fewer than `FEWEST`
+        episodes); a failed episode counts with the ultimate load.
     """
     severity = numbers(episodes, "sea_lateral_g")
     success, peak = numbers(episodes, "success"), numbers(episodes, "scored_peak_kN")
@@ -74,13 +75,16 @@ def bands(episodes: pl.DataFrame) -> list[dict[str, Any]]:
     for low, high in itertools.pairwise(BANDS_G):
         inside = (severity >= low) & (severity < high)
         if inside.any():
+            succeeded, loads = share(success[inside]), peak[inside]
+            highest = float(p95(loads)) if loads.size >= FEWEST else None
             found.append(
                 {
                     "from_g": low,
                     "to_g": high if math.isfinite(high) else None,
-                    "episodes": int(np.sum(inside)),
-                    "success_rate": float(np.mean(success[inside])),
-                    "peak_probe_kN": {"mean": float(np.mean(peak[inside])), "p95": float(p95(peak[inside]))},
+                    "episodes": loads.size,
+                    "success_rate": succeeded.value,
+                    "success_rate_ci": succeeded.interval,
+                    "peak_probe_kN": {"mean": float(np.mean(loads)), "p95": highest},
                 }
             )
     return found
@@ -92,7 +96,7 @@ def comparison(episodes: pl.DataFrame, other: pl.DataFrame) -> dict[str, Any]:
     ``on_time_rate`` is the share of all episodes that succeeded within 1.2 times the other's median time.
     """
     ours, theirs = numbers(episodes, "scored_peak_kN"), numbers(other, "scored_peak_kN")
-    highest, average = bootstrap_ratio(ours, theirs, p95), bootstrap_ratio(ours, theirs, mean)
+    highest, average = bootstrap(ours, p95, over=theirs), bootstrap(ours, mean, over=theirs)
     allowed_s = ON_TIME * float(median(times(other)))
     on_time = numbers(episodes, "success") * (numbers(episodes, "time_s") <= allowed_s)
     return {

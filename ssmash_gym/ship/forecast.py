@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship.elimination import solved
 from ssmash_gym.ship.kinematics import FloatArray
 
 ORDER: Final = 50  # samples looked back on: 10 s at 5 Hz, a period of the slowest usual roll
@@ -74,7 +75,7 @@ class ArModel:
         diagonal = np.arange(order)
         normal = products[1:, 1:].copy()
         normal[diagonal, diagonal] += ridge * ordered_sum(x * x) + floor
-        return cls(_solved(normal, products[1:, 0]), mean)
+        return cls(solved(normal, products[1:, 0]), mean)
 
     def weights(self, leads: Sequence[int]) -> FloatArray:
         """What each lead's forecast takes of the past samples about their mean, newest first, (leads, order, columns).
@@ -159,18 +160,3 @@ def _lagged_products(x: FloatArray, order: int) -> FloatArray:
         row = products[i - 1, i - 1 : -1] + head[i] * head[i:] - tail[i - 1] * tail[i - 1 : p]
         products[i, i:] = products[i:, i] = row
     return products
-
-
-def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Solution of symmetric positive definite systems (p, p, columns), (p, columns) by elimination, elementwise."""
-    p = len(matrix)
-    rows = np.concatenate([matrix, right[:, np.newaxis]], axis=1)
-    rows = np.ascontiguousarray(np.moveaxis(rows, -1, 0))  # columns first: the elementwise loops are long then
-    for k in range(p - 1):
-        factor = rows[:, k + 1 :, k] / rows[:, k, k, np.newaxis]
-        rows[:, k + 1 :, k + 1 :] -= factor[..., np.newaxis] * rows[:, k, np.newaxis, k + 1 :]
-    solution = rows[..., p].copy()
-    for k in range(p - 1, -1, -1):
-        solution[:, k] /= rows[:, k, k]
-        solution[:, :k] -= rows[:, :k, k] * solution[:, k, np.newaxis]
-    return np.ascontiguousarray(solution.T)

@@ -16,6 +16,7 @@ from ssmash_gym.ship.motion import DEFAULT_SPACING_S, TIME_SLACK, hermite, posit
 HEIGHT_M: Final = 10.0  # assumed: where a helicopter on a frigate's flight deck meets the wind, above the sea
 LENGTH_OVER_HEIGHT: Final = 8.1 * 0.7  # Kaimal length scale over height, IEC 61400-1, below 60 m
 BAND_HZ: Final = (0.01, 0.8)  # assumed: slower is another mean wind to an episode, faster averages out over a body
+SLOWEST_MPS: Final = 0.01  # a mean wind below that has the spectrum's shape of that one: of a calm it has none
 NODES_PER_PERIOD: Final = 4.0  # of the fastest gust: below that the quintic pieces no longer follow it
 
 
@@ -89,7 +90,7 @@ class Gust:
         omega = 2.0 * math.pi * edges[:-1] * (edges[1:] / edges[:-1]) ** place
         if mean * share == 0.0:
             return cls(omega, np.zeros(components), phase)
-        energy = np.diff(slower_share(edges, mean, height))
+        energy = np.diff(slower_share(edges, max(mean, SLOWEST_MPS), height))
         return cls(omega, share * mean * np.sqrt(2.0 * energy / np.sum(energy)), phase)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -10,7 +11,8 @@ import numpy.typing as npt
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import N_CHANNELS, Motion, Signal
+from ssmash_gym.ship.motion import N_CHANNELS, RMS_DURATION_S, DeckRms, Motion, Signal, positive
+from ssmash_gym.ship.seaway_statistics import linear_deck_rms
 
 BLOCK: Final = 32  # nodes that share one set of sines and cosines in `Harmonics.sample`
 NODES_PER_PERIOD: Final = 4.0  # of the fastest component: below that the quintic pieces no longer follow it
@@ -60,6 +62,34 @@ class Harmonics(Motion):
         for c in self.components:
             rms[c.channel] = np.sqrt(0.5 * np.sum(c.amplitude**2))
         return rms
+
+    @cached_property
+    def deck(self) -> DeckRms:
+        """Long-run severity from the amplitudes, linear about the mean pose.
+
+        Sines of one frequency in several channels add up with their phases. The mean yaw turns what moves forward
+        and to starboard of N into what does so of the ship; gravity does not know of it.
+        """
+        sines = [c.omega for c in self.components]
+        omega, place = np.unique(np.concatenate([*sines, np.zeros(0)]), return_inverse=True)
+        amplitude = np.zeros((omega.size, N_CHANNELS), dtype=np.complex128)
+        first = 0
+        for c in self.components:
+            np.add.at(amplitude[:, c.channel], place[first : first + c.omega.size], c.amplitude * np.exp(1j * c.phase))
+            first += c.omega.size
+        cos, sin = np.cos(self._mean[5]), np.sin(self._mean[5])
+        x, y = amplitude[:, 0].copy(), amplitude[:, 1].copy()
+        amplitude[:, 0], amplitude[:, 1] = cos * x + sin * y, cos * y - sin * x
+        return linear_deck_rms(omega, amplitude, np.ones_like(omega), np.zeros(3), self._mean[3:5])
+
+    def deck_rms(self, duration_s: float = RMS_DURATION_S) -> DeckRms:
+        """`deck`, whatever the duration: the long run needs no sampling.
+
+        Raises:
+            ConfigurationError: A duration that is not positive.
+        """
+        positive("deck_rms", "duration_s", duration_s)
+        return self.deck
 
     def signal(self, t: npt.ArrayLike) -> Signal:
         """Six channels and their exact derivatives at times `t` [s], shape (n,): three arrays (n, 6)."""

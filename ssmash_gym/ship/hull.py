@@ -25,6 +25,7 @@ from ssmash_gym.ship.kinematics import FloatArray
 ComplexArray = NDArray[np.complex128]
 
 DATA: Final = Path(__file__).parent / "data"
+TRIOS: Final = (slice(0, 6, 2), slice(1, 6, 2))  # surge, heave, pitch; sway, roll, yaw: the hull couples no others
 ODD_IN_BETA: Final = (1, 3, 5)  # sway, roll, yaw change sign with the side the waves come from
 SCALARS: Final = (
     "length_m",
@@ -41,6 +42,7 @@ SCALARS: Final = (
 )
 DIMENSIONS: Final = {"omega": 1, "beta": 1, "A": 3, "B": 3, "FK": 3, "FD": 3}
 ARRAYS: Final = tuple(DIMENSIONS)
+SCALES: Final = (0.01, 10.0)  # from a towing tank's model to more than any ship
 COMPLEX: Final = ("FK", "FD")
 
 _PER_STEP: Final = 6  # pieces of the refined frequency grid in one step of the table's
@@ -95,10 +97,11 @@ class HullDatabase:
         """The geometrically similar hull, every length times `factor` (Froude's law: omega / sqrt(factor)).
 
         Raises:
-            ConfigurationError: `factor` is not a positive finite number.
+            ConfigurationError: `factor` is not a number within `SCALES`.
         """
-        if not (np.isfinite(factor) and factor > 0.0):
-            raise refusal(f"hull {self.name}", "scale", factor, "a scale is a number above 0 (1 = as built)")
+        if not SCALES[0] <= factor <= SCALES[1]:  # nan, too, is not
+            allowed = f"a scale is a number from {SCALES[0]:g} to {SCALES[1]:g} (1 = as built)"
+            raise refusal(f"hull {self.name}", "scale", factor, allowed)
         if factor == 1.0:
             return self
         turns = np.array([0, 0, 0, 1, 1, 1])  # a moment has one length more than a force
@@ -129,11 +132,34 @@ class HullDatabase:
         Returns:
             A [kg, kg m, kg m2] and B [per second], both (n, 6, 6), BEM frame about O.
         """
-        omega = np.abs(np.asarray(omega_abs, dtype=np.float64))
-        low, share, fade = self._place(omega)
-        table = self._radiation_table
-        both = table[low] + share[:, None, None, None] * (table[low + 1] - table[low])
-        return both[:, 0], both[:, 1] * fade[:, None, None]
+        trios = self.radiation_trios(omega_abs)
+        both = np.zeros((2, trios.shape[-1], 6, 6))
+        for trio, dofs in enumerate(TRIOS):
+            both[:, :, dofs, dofs] = np.moveaxis(trios[:, trio], -1, 1)
+        return both[0], both[1]
+
+    def radiation_trios(self, omega_abs: FloatArray) -> FloatArray:
+        """What is not zero in `radiation`, laid out for arithmetic over many frequencies.
+
+        Args:
+            omega_abs: Encounter frequencies (n,) [rad/s]; the sign is ignored.
+
+        Returns:
+            A and B of (surge, heave, pitch) and of (sway, roll, yaw): (2, 2, 3, 3, n), units as of `radiation`.
+        """
+        return self._radiation_at(omega_abs, self._radiation_table)
+
+    def own_radiation(self, omega_abs: FloatArray) -> FloatArray:
+        """Diagonals of `radiation_trios`, (2, 2, 3, n)."""
+        return self._radiation_at(omega_abs, self._own_radiation_table)
+
+    def _radiation_at(self, omega_abs: FloatArray, table: FloatArray) -> FloatArray:
+        """Values of a table (2, ..., grid) at frequencies, (2, ..., n)."""
+        low, share, fade = self._place(np.abs(np.asarray(omega_abs, dtype=np.float64)))
+        values = table.take(low, axis=-1)
+        values += share * (table.take(low + 1, axis=-1) - values)
+        values[1] *= fade
+        return values
 
     def excitation(self, omega: FloatArray, beta_bem: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Froude-Krylov and diffraction force per metre of wave amplitude.
@@ -182,14 +208,21 @@ class HullDatabase:
 
     @cached_property
     def _radiation_table(self) -> FloatArray:
-        """A and B on the refined grid (grid, 2, 6, 6)."""
+        """A and B of the two trios on the refined grid (2, 2, 3, 3, grid)."""
         grid, first = self._omega_grid, self.omega[0]
         both = _refined(self.omega, np.stack([self.A[0], self.B[0]]), np.stack([self.A, self.B], axis=1), grid).real
         # a multiple of the first matrix keeps damping damping; heave's grows with this power of omega in long waves
         low = grid < first
         both[low, 0] = self.A[0]
         both[low, 1] = (grid[low] / first)[:, None, None] ** 3 * self.B[0]
-        return both.copy()
+        trios = np.stack([both[:, :, dofs, dofs] for dofs in TRIOS], axis=2)
+        return np.ascontiguousarray(np.moveaxis(trios, 0, -1))
+
+    @cached_property
+    def _own_radiation_table(self) -> FloatArray:
+        """Diagonals of `_radiation_table` (2, 2, 3, grid)."""
+        each = np.arange(3)
+        return np.ascontiguousarray(self._radiation_table[:, :, each, each])
 
     @cached_property
     def _excitation_table(self) -> FloatArray:
@@ -230,7 +263,7 @@ def _read(path: Path, modified_ns: int, size: int) -> HullDatabase:
     try:
         with closing(np.load(path, allow_pickle=False)) as file:
             raw = {key: file[key] for key in file.files}
-    except (OSError, ValueError, AttributeError, BadZipFile) as error:
+    except (OSError, EOFError, ValueError, AttributeError, BadZipFile) as error:
         raise ConfigurationError(f"{path}: this is not a hull database, an npz file without objects.") from error
     missing = [key for key in ("name", "provenance", *SCALARS, *ARRAYS) if key not in raw]
     if missing:

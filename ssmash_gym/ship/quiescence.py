@@ -17,11 +17,10 @@ import numpy.typing as npt
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import CHANNELS, MotionTable, Signal, pose_of
+from ssmash_gym.ship.motion import CHANNELS, GRAVITY, MotionTable, Signal, pose_of
 
 SAMPLING_S: Final = 0.05  # an excursion beyond a limit that is shorter than this may be missed
 SHORTEST_S: Final = 6.0  # windows shorter than this are of no use to anybody (assumed)
-GRAVITY: Final = 9.81  # [m/s2]
 _BISECTIONS: Final = 26  # of a sampling interval: the ends of a window are good to a nanosecond
 _ROLL, _PITCH, _Z = (CHANNELS.index(name) for name in ("roll", "pitch", "z"))
 
@@ -218,23 +217,41 @@ def zero_crossing_frequencies(table: MotionTable, limits: Mapping[str, float]) -
     return frequencies
 
 
-def energy_index(signal: Signal, limits: Mapping[str, float], frequencies: Mapping[str, float]) -> FloatArray:
-    """Running index of how lively the deck is: below 1 where no quantity's envelope reaches its limit.
+def record_means(table: MotionTable, limits: Mapping[str, float]) -> dict[str, float]:
+    """Mean of each limited quantity in a record, in its unit: heel, trim and the like.
 
-    ``max over quantities of sqrt(q^2 + (dq/dt / w)^2) / limit``: for a sine of frequency w the root is its amplitude,
-    whatever the phase, so the index follows the envelope and does not dip at every passage through zero. A definition
-    of this package's own; published indices of that kind weigh more quantities, by coefficients that are not public.
+    Raises:
+        ConfigurationError: As `label`.
+    """
+    signal = table.at(table.spacing_s * np.arange(len(table.nodes)))
+    return {name: float(np.mean(QUANTITIES[name].value(signal))) for name in _checked(limits)}
+
+
+def energy_index(
+    signal: Signal,
+    limits: Mapping[str, float],
+    frequencies: Mapping[str, float],
+    means: Mapping[str, float] | None = None,
+) -> FloatArray:
+    """Running index of how lively the deck is: below 1 where no quantity's envelope about its mean reaches its limit.
+
+    ``max over quantities of (|m| + sqrt((q - m)^2 + (dq/dt / w)^2)) / limit``: for a sine of frequency w about the mean
+    m the root is its amplitude, whatever the phase, so the index follows the envelope and does not dip at every passage
+    through the mean. A definition of this package's own; published indices of that kind weigh more quantities, by
+    coefficients that are not public.
 
     Args:
         signal: Values and rates of now, each (..., 6), as measured or from a table.
         limits: Limit on the absolute value of each quantity; those with a rate in `QUANTITIES`.
         frequencies: w of each [rad/s], of a record up to now (`zero_crossing_frequencies`) or assumed.
+        means: m of each in its unit, of such a record (`record_means`) or assumed; 0 where there is none. Without its
+            mean a heeled deck has an index that swings, and that dips below 1 although every roll passes the limit.
 
     Returns:
         The index, (...).
 
     Raises:
-        ConfigurationError: As `label`, or a quantity without rate or frequency.
+        ConfigurationError: As `label`, a quantity without rate or frequency, or a mean that is not finite.
     """
     checked = _checked(limits)
     shares = []
@@ -243,7 +260,10 @@ def energy_index(signal: Signal, limits: Mapping[str, float], frequencies: Mappi
         w = frequencies.get(name)
         if w is None or not (math.isfinite(w) and w > 0.0):
             raise ConfigurationError(f"quiescence: the frequency of {name} is {w!r}: must be above 0 rad/s")
-        shares.append(np.hypot(QUANTITIES[name].value(signal), rate / w) / limit)
+        mean = 0.0 if means is None else means.get(name, 0.0)
+        if not math.isfinite(mean):
+            raise ConfigurationError(f"quiescence: the mean of {name} is {mean!r}: must be a finite number")
+        shares.append((abs(mean) + np.hypot(QUANTITIES[name].value(signal) - mean, rate / w)) / limit)
     return np.asarray(np.max(np.stack(shares), axis=0), dtype=np.float64)
 
 

@@ -26,6 +26,7 @@ DEGREE: Final = 5  # of the spline through the samples: accelerations are smooth
 DETREND: Final = True  # unless a configuration says otherwise: a deck table is in the steadily translating mean frame
 MARGIN: Final = 3  # samples at each end left out of the comparison: a spline's derivatives are weakest there
 NOTICEABLE: Final = 0.02  # share of a column's own size from which a discrepancy is worth a warning
+OPPOSITE: Final = 1.8  # share from which the column is nearly the derivative with its sign turned (2 where it is)
 NEGLIGIBLE: Final = 1e-6  # rad/s, rad/s2, m/s2: a column smaller than this is zero
 
 
@@ -49,6 +50,13 @@ class Discrepancy:
     def share(self) -> float:
         """`rms` over `scale`; zero for a column that is zero."""
         return self.rms / self.scale if self.scale > NEGLIGIBLE else 0.0
+
+    @property
+    def remark(self) -> str:
+        """What is to be said of it: nothing, that it is noticeable, or that the sign is probably the other one."""
+        if self.share <= NOTICEABLE:
+            return ""
+        return "sign?" if self.share > OPPOSITE else f"more than {NOTICEABLE:.0%}"
 
 
 class RecordedMotion(Motion):
@@ -115,6 +123,11 @@ class RecordedMotion(Motion):
         """Time from the first row to the last [s]."""
         return self._duration
 
+    @property
+    def step_s(self) -> float:
+        """Time between the rows of the record [s]."""
+        return self._step
+
     def signal(self, t: npt.ArrayLike) -> Signal:
         """Six channels and their exact derivatives at times `t` [s] within the record, (n,): three arrays (n, 6)."""
         time = np.atleast_1d(np.asarray(t, dtype=np.float64))
@@ -139,12 +152,16 @@ class RecordedMotion(Motion):
         return _worst(self.discrepancies) <= NOTICEABLE
 
     def report(self) -> str:
-        """The comparison as text: a line for each of the columns 8-16, and a hint where another convention fits."""
+        """The comparison as text: a line for each of the columns 8-16, and a hint where another convention fits.
+
+        Lines of columns that are off by more than 2 % of their size are marked.
+        """
         lines = [
             f"motion file {self.name}: columns against the derivatives of angles and velocities ({self._convention})"
         ]
         lines += [
             f"  {d.name}: RMS difference {d.rms:.3g} of {d.scale:.3g} {d.unit} ({100.0 * d.share:.1f} %)"
+            + (f"  <- {d.remark}" if d.remark else "")
             for d in self.discrepancies
         ]
         if self._better is not None:

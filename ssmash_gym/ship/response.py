@@ -18,20 +18,22 @@ solution with the forward speed in it (tests/data/forward_speed.json), heave, pi
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import Field
 
-from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.ship.cramer import ComplexArray as ComplexArray
 from ssmash_gym.ship.cramer import determinant, solve3
-from ssmash_gym.ship.hull import HullDatabase
+from ssmash_gym.ship.hull import TRIOS, HullDatabase
 from ssmash_gym.ship.kinematics import FloatArray
+from ssmash_gym.ship.response_input import checked, checked_waves
 from ssmash_gym.ship.roll_damping import RollDamping, critical_damping, linearised
+from ssmash_gym.ship.sea import encounter
 from ssmash_gym.vehicle.fields import NonNegative, Part, Positive
 
 ROLL: Final = 3
@@ -45,13 +47,18 @@ class Trio(NamedTuple):
     At speed the turned hull meets the stream sideways on: pitch then acts as heave does, and yaw as sway does.
     """
 
-    dofs: slice
+    number: int  # in `hull.TRIOS`
     like: int  # which of the three the turning acts like at speed
     sign: float  # of the turning's motion along that one, forward of O
 
+    @property
+    def dofs(self) -> slice:
+        """Its degrees of freedom."""
+        return TRIOS[self.number]
 
-LONGITUDINAL: Final = Trio(slice(0, 6, 2), 1, -1.0)  # surge, heave, pitch: bow down +, heave up +
-LATERAL: Final = Trio(slice(1, 6, 2), 0, 1.0)  # sway, roll, yaw: bow to port +, sway to port +
+
+LONGITUDINAL: Final = Trio(0, 1, -1.0)  # surge, heave, pitch: bow down +, heave up +
+LATERAL: Final = Trio(1, 0, 1.0)  # sway, roll, yaw: bow to port +, sway to port +
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +71,7 @@ class Response:
             place, channel j of G's motion is ``Re sum a H_j exp(i (omega_e t + phase))`` [m/m, rad/m]: surge forward,
             sway to starboard, heave down, roll starboard down, pitch bow up, yaw bow to starboard.
         roll_damping: Share of critical roll damping that was used; NaN where the response is a table.
-        converged: Whether its iteration closed in.
+        converged: Whether its iteration closed in; `HullResponse` warns where it did not.
     """
 
     omega_e: FloatArray
@@ -249,8 +256,8 @@ class HullResponse:
         factor = checked("roll_damping_factor", roll_damping_factor)
         gm = checked("gm_factor", gm_factor, above_zero=True)
 
-        omega_e = omega - omega * omega / self.hull.gravity * speed * np.cos(heading)
-        radiation = self.hull.radiation(np.abs(omega_e))
+        omega_e = encounter(omega, heading, speed, self.hull.gravity)
+        radiation = self.hull.radiation_trios(omega_e)
         FK, FD = self.hull.excitation(omega, -heading)
         excitation = FK, FD * self._diffraction_at_speed(omega, omega_e, radiation)
         Z, F = self._equations(LONGITUDINAL, omega, omega_e, speed, radiation, excitation)
@@ -259,6 +266,13 @@ class HullResponse:
         Z[1, 1] += (gm - 1.0) * self.stiffness[ROLL, ROLL]
         s = np.asarray(-1j * omega_e, dtype=np.complex128)  # d/dt
         zeta, converged = self._damping(Z, F, s, amplitude, self.froude(speed), factor)
+        if not converged:
+            warnings.warn(
+                f"hull {self.hull.name}: the roll damping of this sea was not found to ten digits, {zeta:.4g} of "
+                "critical is used",
+                ConfigurationWarning,
+                stacklevel=2,
+            )
         Z[1, 1] += s * (zeta * self.critical_roll_damping)
         sway, roll, yaw = solve3(Z, F)
 
@@ -271,7 +285,7 @@ class HullResponse:
         omega: FloatArray,
         omega_e: FloatArray,
         speed: float,
-        radiation: tuple[FloatArray, FloatArray],
+        radiation: FloatArray,
         excitation: tuple[ComplexArray, ComplexArray],
     ) -> tuple[ComplexArray, ComplexArray]:
         """Coefficients (3, 3, n) and right-hand sides (3, n) of one trio about O; x forward, y port, z up.
@@ -281,7 +295,7 @@ class HullResponse:
         yaw's and sway's the other way round. Written out these are the familiar ``A35 = A35_0 - U B33 / omega_e^2``,
         ``B35 = B35_0 + U A33`` and so on. The row holds for diffraction, too.
         """
-        A, B = (np.ascontiguousarray(part[:, trio.dofs, trio.dofs].transpose(1, 2, 0)) for part in radiation)
+        A, B = radiation[:, trio.number]
         FK, FD = (np.ascontiguousarray(part[:, trio.dofs].T) for part in excitation)
         square = omega_e * omega_e
         T = square * A + 1j * omega_e * B
@@ -293,9 +307,7 @@ class HullResponse:
         Z = self._trio(self.stiffness + self.restraint[0], trio) - square * self._trio(self.inertia, trio)
         return Z - 1j * omega_e * self._trio(self.restraint[1], trio) - T, FK + FD
 
-    def _diffraction_at_speed(
-        self, omega: FloatArray, omega_e: FloatArray, radiation: tuple[FloatArray, FloatArray]
-    ) -> ComplexArray:
+    def _diffraction_at_speed(self, omega: FloatArray, omega_e: FloatArray, radiation: FloatArray) -> ComplexArray:
         """Factor (n, 6) on the zero-speed diffraction force of each mode.
 
         The wave drives the diffracted flow at the wave frequency, but that flow radiates, and its pressure varies, at
@@ -303,11 +315,11 @@ class HullResponse:
         that mode at the encounter frequency (as in Salvesen, Tuck & Faltinsen's sectional forces), so it grows as the
         mode's own radiation impedance ``omega A + i B`` does between the two frequencies. 1 at zero speed.
         """
-        each = np.arange(6)
-        at_wave = self.hull.radiation(omega)
-        A, B, A_w, B_w = (part[:, each, each] for part in (*radiation, *at_wave))
-        ratio = (omega_e[:, np.newaxis] * A + 1j * B) / (omega[:, np.newaxis] * A_w + 1j * B_w)
-        return np.asarray(ratio, dtype=np.complex128)
+        each = np.arange(3)
+        A, B = radiation[:, :, each, each]
+        A_w, B_w = self.hull.own_radiation(omega)
+        ratio = (omega_e * A + 1j * B) / (omega * A_w + 1j * B_w)
+        return np.asarray(ratio.transpose(2, 1, 0).reshape(-1, 6), dtype=np.complex128)  # the trios interlace
 
     @staticmethod
     def _trio(matrix: FloatArray, trio: Trio) -> FloatArray:
@@ -330,12 +342,12 @@ class HullResponse:
         numerator = determinant(np.stack([Z[:, 0], F, Z[:, 2]], axis=1))
         minor = Z[0, 0] * Z[2, 2] - Z[0, 2] * Z[2, 0]
         still, moving = determinant(Z), s * minor * self.critical_roll_damping
-        rate = s * numerator * amplitude
+        power = 0.5 * squared(s * numerator * amplitude)
+        constant, linear, square = squared(still), 2.0 * (still * np.conj(moving)).real, squared(moving)
         sqrt_l_over_g = math.sqrt(self.hull.length_m / self.hull.gravity)
 
         def sigma(ratio: float) -> float:
-            response = rate / (still + ratio * moving)
-            return math.sqrt(0.5 * float(np.sum(response.real**2 + response.imag**2)))
+            return math.sqrt(float(np.sum(power / (constant + ratio * (linear + ratio * square)))))
 
         return linearised(lambda rms: factor * self.damping.ratio(froude, rms, sqrt_l_over_g), sigma)
 
@@ -364,33 +376,6 @@ def package_frame(X: ComplexArray, omega_e: FloatArray, z_G: float, high_pass_ra
     return np.asarray(H, dtype=np.complex128)
 
 
-def checked(key: str, value: Any, *, above_zero: bool = False) -> float:
-    """`value` as a finite float of 0 or more (or above 0); refused with one sentence otherwise."""
-    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    if not number or not math.isfinite(value) or value < 0.0 or (above_zero and value == 0.0):
-        allowed = "above 0" if above_zero else "of 0 or more"
-        raise ConfigurationError(f"ship response: {key} is {value!r}, allowed are finite numbers {allowed}")
-    return float(value)
-
-
-def checked_waves(
-    omega: npt.ArrayLike, heading: npt.ArrayLike, amplitude: npt.ArrayLike
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies, headings and amplitudes as float arrays of one shape (n,).
-
-    Raises:
-        ConfigurationError: Shapes that do not fit, a value that is not finite, or a frequency that is not positive.
-    """
-    w = np.atleast_1d(np.asarray(omega, dtype=np.float64))
-    h, a = np.asarray(heading, dtype=np.float64), np.asarray(amplitude, dtype=np.float64)
-    for key, array in (("heading", h), ("amplitude", a)):
-        if w.ndim != 1 or array.shape not in ((), (1,), w.shape):
-            raise ConfigurationError(
-                f"ship response: {key} has shape {array.shape} and omega {w.shape}, allowed are one value for all "
-                "or one per frequency"
-            )
-    if not (np.isfinite(w).all() and np.isfinite(h).all() and np.isfinite(a).all() and (w > 0.0).all()):
-        raise ConfigurationError(
-            "ship response: allowed are finite frequencies above 0, finite headings and finite amplitudes"
-        )
-    return w, np.broadcast_to(h, w.shape), np.broadcast_to(a, w.shape)
+def squared(value: ComplexArray) -> FloatArray:
+    """Squared magnitudes, any shape."""
+    return np.asarray(value.real * value.real + value.imag * value.imag, dtype=np.float64)

@@ -135,6 +135,11 @@ def _of_rows(file: Path) -> ResponseGrid:
     records = [[field.strip(' "\t') for field in line.split(",")] for _, line in content]
     names, rows = records[0], records[1:]
     lines = [number for number, _ in content[1:]]
+    if len(names) == 1 and any(mark in names[0] for mark in "; \t"):
+        raise ConfigurationError(
+            f"response table {file}: no comma in the line of column names, {shown(names[0], 40)}; commas expected "
+            "between columns, and a point in decimals"
+        )
     _check_names(file, "column", names)
     if not rows:
         raise ConfigurationError(f"response table {file}: it has column names and no rows")
@@ -154,7 +159,7 @@ def _row(file: Path, line: int, names: list[str], row: list[str]) -> list[float]
     if len(row) != len(names):
         raise ConfigurationError(
             f"response table {file}, line {line}: {len(row)} columns found, expected are {len(names)} as in the first "
-            "line"
+            "line (commas expected between columns, and a point in decimals)"
         )
     values = []
     for name, field in zip(names, row, strict=True):

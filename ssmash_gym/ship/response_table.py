@@ -19,10 +19,10 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning, shown
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import GRAVITY
-from ssmash_gym.ship.response import TO_PACKAGE, ComplexArray, Response, ShipResponse, checked_waves
+from ssmash_gym.ship.response import TO_PACKAGE, ComplexArray, Response, ShipResponse
 from ssmash_gym.ship.response_file import GRID, HEADINGS_DEG, ResponseGrid, read_grid, write_grid
-from ssmash_gym.ship.sea import KNOT
+from ssmash_gym.ship.response_input import checked_waves
+from ssmash_gym.ship.sea import KNOT, encounter
 from ssmash_gym.ship.waves import Waves
 from ssmash_gym.vehicle.fields import Part
 
@@ -280,18 +280,6 @@ def write_response_table(
     phase = _turn("lead", omega_e)[..., np.newaxis] * np.angle(transfer)
     grid = ResponseGrid(str(path), speed, heading, omega, np.abs(transfer), phase)
     return write_grid(path, grid, COMMENTS)
-
-
-def encounter(omega: FloatArray, heading: FloatArray, speed_mps: npt.ArrayLike) -> FloatArray:
-    """Signed encounter frequency ``omega - omega^2 / g U cos(heading)`` [rad/s]; arguments broadcast.
-
-    Args:
-        omega: Wave frequencies [rad/s].
-        heading: Directions the waves travel relative to the ship's heading [rad].
-        speed_mps: Ship speeds [m/s].
-    """
-    speed = np.asarray(speed_mps, dtype=np.float64)
-    return np.asarray(omega - omega * omega / GRAVITY * speed * np.cos(heading), dtype=np.float64)
 
 
 def travel_deg(heading_deg: FloatArray, heading: Heading) -> FloatArray:

@@ -21,8 +21,8 @@ from ssmash_gym.ship.motion import GRAVITY
 
 KNOT: Final = 1852.0 / 3600.0  # [m/s]
 
-# Most probable significant wave height [m] and peak period [s] of a sea state: STANAG 4194 Annex D (secondary source).
-# Sea state 7 was not found in a readable source and is therefore not offered.
+# Most probable significant wave height [m] and peak period [s] of a sea state: STANAG 4194 Annex D, read in the header
+# of an open file water_waves.hpp. It stops at 6; for 7 Bales (1983) has 7.5 m, 15.0 s (docs/theory/seaway.md, The sea).
 SEA_STATES: Final[dict[int, tuple[float, float]]] = {
     2: (0.3, 6.3),
     3: (0.9, 7.5),
@@ -31,7 +31,9 @@ SEA_STATES: Final[dict[int, tuple[float, float]]] = {
     6: (5.0, 12.4),
 }
 STEEPEST: Final = 0.06  # significant height over the wave length of the peak period; open seas stay below
-TP_RANGE_S: Final = (3.0, 25.0)  # peak periods a ship of a hundred metres and its response data can answer
+# Peak periods [s]. At 5 s nine tenths of a Bretschneider sea's energy lie below `HIGHEST`, at 4 s eight: shorter seas
+# would lose motion that small craft, say, do have.
+TP_RANGE_S: Final = (5.0, 25.0)
 LOWEST: Final = 0.5  # of the peak frequency: 2e-9 of a Bretschneider sea's energy lies below
 HIGHEST: Final = 2.4  # [rad/s]; waves shorter than 11 m leave a ship of a hundred metres alone
 GAMMA: Final = 3.3  # mean peakedness of JONSWAP (Hasselmann et al. 1973)
@@ -51,6 +53,22 @@ def comes_from_deg(heading_deg: npt.ArrayLike) -> FloatArray:
         function turns it back.
     """
     return np.asarray((np.asarray(heading_deg, dtype=np.float64) + 180.0) % 360.0, dtype=np.float64)
+
+
+def encounter(
+    omega: npt.ArrayLike, heading: npt.ArrayLike, speed_mps: npt.ArrayLike, gravity: float = GRAVITY
+) -> FloatArray:
+    """Encounter frequency ``omega - omega^2 / g U cos(heading)`` [rad/s], signed, never folded; arguments broadcast.
+
+    Args:
+        omega: Wave frequencies [rad/s].
+        heading: Directions the waves travel relative to the ship's heading [rad].
+        speed_mps: Ship speeds [m/s].
+        gravity: g [m/s2].
+    """
+    w = np.asarray(omega, dtype=np.float64)
+    along = np.asarray(speed_mps, dtype=np.float64) * np.cos(heading)
+    return np.asarray(w - w * w / gravity * along, dtype=np.float64)
 
 
 def period_of_height(hs_m: float) -> float:
@@ -90,7 +108,8 @@ def check_steepness(hs_m: float, tp_s: float) -> None:
         raise ConfigurationError(f"hs_m is {height:g}, allowed is a significant wave height of 0 m or more")
     if not TP_RANGE_S[0] <= period <= TP_RANGE_S[1]:
         raise ConfigurationError(
-            f"tp_s is {period:g}, allowed is a peak period of {TP_RANGE_S[0]:g} to {TP_RANGE_S[1]:g} s"
+            f"tp_s is {period:g}, allowed is a peak period of {TP_RANGE_S[0]:g} to {TP_RANGE_S[1]:g} s (waves beyond "
+            f"{HIGHEST:g} rad/s are left out, and a shorter sea has too much of its energy there)"
         )
     limit = STEEPEST * GRAVITY / (2.0 * math.pi)
     if height > limit * period**2 * (1.0 + 1e-9):

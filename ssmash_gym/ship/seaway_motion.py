@@ -67,6 +67,11 @@ class SeawayMotion(Motion):
         variance = 0.5 * np.sum(self._motion.real**2 + self._motion.imag**2, axis=0)
         return np.asarray(np.sqrt(variance), dtype=np.float64)
 
+    @property
+    def elevation_rms_m(self) -> float:
+        """Long-run RMS of the elevation [m]; a quarter of the wave height less what is shorter than any drawn wave."""
+        return math.sqrt(0.5 * float(np.sum(self.waves.amplitude**2)))
+
     @cached_property
     def deck(self) -> DeckRms:
         """Long-run severity of the deck point, exact for the drawn waves (linear about the mean attitude)."""

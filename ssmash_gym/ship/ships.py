@@ -7,13 +7,13 @@ the roll damping and the guards of its description) or a table of a user's own r
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from ssmash_gym.assets import asset_path
 from ssmash_gym.errors import ConfigurationError, shown
@@ -27,7 +27,8 @@ from ssmash_gym.vehicle.document import read_yaml, split
 from ssmash_gym.vehicle.fields import Part, Positive, Vector, refuse
 
 KNOT: Final = 1852.0 / 3600.0  # [m/s]
-BASE_KEY: Final = "base"  # in a mapping: the name or file of the ship that it changes
+BASE_KEY: Final = "base"  # in a file or a mapping: the name or file of the ship that it changes
+FILES: Final = (".yaml", ".yml")
 SUMMARY_SPEEDS_KN: Final = (0.0, 10.0, 18.0)
 SUMMARY_ROLL_RMS: Final = np.radians(3.0)  # the rolling for which the summary tells the damping
 HULL_KEYS: Final = ("kg_m", "gm_m", "gyration", "roll_damping")
@@ -66,13 +67,6 @@ class ShipDescription(Part):
     deck_point_m: Vector = Field(description="deck origin from G: x forward, y starboard, z down [m]")
     provenance: tuple[Mark, ...] = Field((), description="where each value comes from")
 
-    @field_validator("hull")
-    @classmethod
-    def _database_from_folder(cls, hull: Hull | None, info: ValidationInfo) -> Hull | None:
-        if hull is None or not hull.database.endswith(".npz"):
-            return hull
-        return hull.model_copy(update={"database": str(_in_folder(Path(hull.database), info))})
-
     @model_validator(mode="after")
     def _hull_or_table(self) -> Self:
         if (self.hull is None) == (self.response is None):
@@ -102,22 +96,29 @@ class Ship:
         description: What it was made from.
         response: Response of its centre of gravity G to waves.
         deck_point_m: Deck origin from G, S axes (x forward, y starboard, z down) [m], (3,), read-only.
+        changed: Dotted keys in which it differs from the ship whose name it bears; none where it has a name of its own.
     """
 
     description: ShipDescription
     response: ShipResponse
     deck_point_m: FloatArray
+    changed: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
-        """Name of the ship."""
+        """Name of the ship; a changed ship without a name of its own has that of its base (see `label`)."""
         return self.description.name
+
+    @property
+    def label(self) -> str:
+        """Name for printouts and pictures, e.g. ``frigate, changed: kg_m, deck_point_m``."""
+        return f"{self.name}, changed: {', '.join(self.changed)}" if self.changed else self.name
 
     def summary(self) -> str:
         """The ship in a few lines: displacement, metacentric height, natural periods, roll damping, deck origin."""
         x, y, z = self.deck_point_m
         lines = [
-            self.name,
+            self.label,
             f"  deck origin    {abs(x):g} m {'forward' if x > 0.0 else 'aft'}, {abs(y):g} m to "
             f"{'port' if y < 0.0 else 'starboard'}, {-z:g} m above the centre of gravity",
         ]
@@ -137,42 +138,53 @@ def load_ship(given: str | Path | Mapping[str, Any] | Ship) -> Ship:
     """Load a ship; the same description gives the same object.
 
     Args:
-        given: A name of `ship_names`, the path of a YAML file, a mapping with the keys of `ShipDescription` (and
-            perhaps ``base``, the name or file of a ship of which the other keys change something), or a ship.
+        given: A name of `ship_names`, the path of a YAML file, a mapping with the keys of `ShipDescription`, or a ship.
+            File and mapping may have the key ``base``, the name or file of a ship (with or without a base of its own)
+            of which the other keys change something. Paths are taken from the folder of the file they stand in.
 
     Raises:
-        ConfigurationError: There is no such name or file, or the description is refused; one sentence that names the
-            file, the key, the value and what is allowed.
+        ConfigurationError: There is no such name or file, bases go in a circle, or the description is refused; one
+            sentence that names the file, the key, the value and what is allowed.
     """
     if isinstance(given, Ship):
         return given
     if isinstance(given, Mapping):
-        return _ship_of(_described(*_with_base(given)))
+        return _ship_of(*_of_mapping(given))
     if isinstance(given, str | Path):
-        path = _path_of(given)
-        return _ship_of(_read(path, path.stat().st_mtime_ns))
+        return _ship_of(*_read(_stamped(_path_of(given, "ships"))))
     raise ConfigurationError(f"ships: {shown(given)} is refused: give a name, the path of a YAML file, or a mapping.")
 
 
-@functools.lru_cache(maxsize=32)
-def _read(path: Path, _changed: int) -> ShipDescription:
-    """The description in a file; read anew when the file has changed."""
-    return _described(read_yaml(path.read_text(encoding="utf-8"), str(path)), str(path), path.parent)
+def from_folder(description: Mapping[str, Any], folder: str | Path) -> dict[str, Any]:
+    """A copy of a ship's mapping in which the paths of other files (base, table, hull database) start from a folder.
+
+    Args:
+        description: With the keys of `ShipDescription` and perhaps ``base``, marks and all; it may be at fault.
+        folder: Folder of the file in which it stands; absolute paths stay as they are.
+    """
+    result = dict(description)
+    if BASE_KEY in result:
+        result[BASE_KEY] = _within(folder, result[BASE_KEY], FILES)
+    for name, key, endings in (("response", "table", ()), ("hull", "database", (".npz",))):
+        section = result.get(name)
+        if isinstance(section, Mapping) and key in section:
+            result[name] = {**section, key: _within(folder, section[key], endings)}
+    return result
 
 
-def _ship_of(description: ShipDescription) -> Ship:
+def _ship_of(description: ShipDescription, changed: tuple[str, ...]) -> Ship:
     """The ship that a description stands for; built anew when its table's file has changed."""
     table = None if description.response is None else description.response.table
-    return _built(description, table.stat().st_mtime_ns if table is not None and table.is_file() else 0)
+    return _built(description, changed, table.stat().st_mtime_ns if table is not None and table.is_file() else 0)
 
 
 @functools.lru_cache(maxsize=32)
-def _built(description: ShipDescription, _changed: int) -> Ship:
+def _built(description: ShipDescription, changed: tuple[str, ...], _time: int) -> Ship:
     """The ship that a description stands for."""
     point = np.array(description.deck_point_m)
     point.flags.writeable = False
     if description.response is not None:
-        return Ship(description, description.response.read(), point)
+        return Ship(description, description.response.read(), point, changed)
     gyration, damping = description.gyration, description.roll_damping
     assert description.hull is not None and gyration is not None and damping is not None  # validated
     hull = _hull(description.hull.database, description.hull.scale)
@@ -183,9 +195,10 @@ def _built(description: ShipDescription, _changed: int) -> Ship:
         gyration.yaw_over_length * hull.length_m,
     )
     try:
-        return Ship(description, HullResponse(hull, Loading(height, radii), damping, description.guards), point)
+        response = HullResponse(hull, Loading(height, radii), damping, description.guards)
     except ConfigurationError as error:
         raise ConfigurationError(f"ship {description.name}: {error}") from None
+    return Ship(description, response, point, changed)
 
 
 @functools.lru_cache(maxsize=8)
@@ -223,37 +236,95 @@ def _hull_lines(response: HullResponse) -> list[str]:
 # --- reading -------------------------------------------------------------------------------------------------------
 
 
-def _in_folder(path: Path, info: ValidationInfo) -> Path:
-    folder = (info.context or {}).get("folder")
-    return path if folder is None else Path(folder) / path  # an absolute path stays as it is
-
-
-def _path_of(given: str | Path) -> Path:
+def _path_of(given: str | Path, where: str) -> Path:
     path = Path(given)
-    if path.suffix.lower() in (".yaml", ".yml"):
+    if path.suffix.lower() in FILES:
         if not path.is_file():
             raise ConfigurationError(f"{path}: there is no such ship file.")
         return path.resolve()
     named = asset_path("configs", "ships") / f"{given}.yaml"
     if path.name != str(given) or not named.is_file():
         raise ConfigurationError(
-            f"ships: there is none called {shown(str(given))}: give one of {', '.join(ship_names())}, or the path of "
+            f"{where}: there is none called {shown(str(given))}: give one of {', '.join(ship_names())}, or the path of "
             "a YAML file."
         )
     return named
 
 
-def _with_base(given: Mapping[str, Any]) -> tuple[dict[str, Any], str, Path | None]:
-    """The document of a mapping, its name in messages and the folder of its paths."""
-    changes = dict(given)
-    if BASE_KEY not in changes:
-        return changes, "ship", None
-    path = _path_of(changes.pop(BASE_KEY))
-    document = read_yaml(path.read_text(encoding="utf-8"), str(path))
+def _within(folder: str | Path, value: Any, endings: Sequence[str]) -> Any:
+    """A path that starts from a folder; what has none of the endings (where there are any) is a name and stays."""
+    if isinstance(value, Mapping) and "value" in value:  # with its mark
+        return {**value, "value": _within(folder, value["value"], endings)}
+    if isinstance(value, str | Path) and (not endings or Path(value).suffix.lower() in endings):
+        return str(Path(folder) / value)
+    return value
+
+
+@functools.lru_cache(maxsize=32)
+def _file(path: Path, _time: int) -> dict[str, Any]:
+    """The document in a file, its paths made absolute; read anew when the file has changed."""
+    return from_folder(read_yaml(path.read_text(encoding="utf-8"), str(path)), path.parent)
+
+
+def _base_of(document: Mapping[str, Any], source: str) -> Path | None:
+    """File of the ship that a document changes, if it changes one."""
+    given = document.get(BASE_KEY)
+    if given is None:
+        return None
+    if not isinstance(given, str | Path):
+        raise ConfigurationError(f"{source}: base = {shown(given)} is refused: give the name or the file of a ship.")
+    return _path_of(given, f"{source}: base")
+
+
+Stamps = tuple[tuple[Path, int], ...]  # files, each with the time of its last change
+
+
+def _stamped(path: Path, above: tuple[Path, ...] = ()) -> Stamps:
+    """A ship's file and its bases, the changing one first."""
+    if path in above:
+        circle = " on ".join(file.name for file in (*above[above.index(path) :], path))
+        raise ConfigurationError(f"{above[-1]}: base = {shown(str(path))} is refused: bases in a circle, {circle}.")
+    stamp = (path, path.stat().st_mtime_ns)
+    base = _base_of(_file(*stamp), str(path))
+    return (stamp,) if base is None else (stamp, *_stamped(base, (*above, path)))
+
+
+@functools.lru_cache(maxsize=32)
+def _read(stamps: Stamps) -> tuple[ShipDescription, tuple[str, ...]]:
+    """The description in a file on its bases, and in what it differs from the ship that it is named after."""
+    return _described([_file(*stamp) for stamp in stamps], str(stamps[0][0]))
+
+
+def _of_mapping(given: Mapping[str, Any]) -> tuple[ShipDescription, tuple[str, ...]]:
+    """The same of a mapping."""
+    base = _base_of(given, "ship")
+    if base is None:
+        return _described([given], "ship")
+    return _described([given, *(_file(*stamp) for stamp in _stamped(base))], f"ship {base.stem} with changes")
+
+
+def _described(documents: Sequence[Mapping[str, Any]], source: str) -> tuple[ShipDescription, tuple[str, ...]]:
+    """The description of a document and its bases (the changing one first), marks and all, and what was changed."""
+    document: dict[str, Any] = {}
+    changed: tuple[str, ...] = ()
+    for changes in reversed(documents):
+        document = _with_changes(document, {key: value for key, value in changes.items() if key != BASE_KEY})
+        changed = () if "name" in changes else tuple(dict.fromkeys((*changed, *_leaves(changes))))
+        changed = tuple(key for key in changed if key.split(".")[0] in document)  # gm_m after kg_m stands alone
+    plain, marks = split(document, source)
+    try:
+        return ShipDescription.model_validate({**plain, "provenance": marks}), changed
+    except ValidationError as error:
+        raise ConfigurationError(_sentence(error, source)) from None
+
+
+def _with_changes(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A ship's document with changes laid over it; KG and GM are two ways of saying the same thing."""
+    result = dict(document)
     for one, other in (("kg_m", "gm_m"), ("gm_m", "kg_m")):
         if one in changes and other not in changes:
-            document.pop(other, None)  # two ways of saying the same thing
-    return _merged(document, changes), f"ship {path.stem} with changes", path.parent
+            result.pop(other, None)
+    return _merged(result, changes)
 
 
 def _merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -266,13 +337,13 @@ def _merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str
     return result
 
 
-def _described(document: Mapping[str, Any], source: str, folder: Path | None = None) -> ShipDescription:
-    """The description of a document, marks and all."""
-    plain, marks = split(dict(document), source)
-    try:
-        return ShipDescription.model_validate({**plain, "provenance": marks}, context={"folder": folder})
-    except ValidationError as error:
-        raise ConfigurationError(_sentence(error, source)) from None
+def _leaves(changes: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    """Dotted keys of the values in a document of changes, but for those that only describe it."""
+    for key, value in changes.items():
+        if isinstance(value, Mapping) and "value" not in value:
+            yield from _leaves(value, f"{path}{key}.")
+        elif path or key not in (BASE_KEY, "name", "description"):
+            yield f"{path}{key}"
 
 
 def _sentence(error: ValidationError, source: str) -> str:

@@ -16,19 +16,23 @@ from typing import Final
 import numpy as np
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.ship.elimination import solved
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.sea import HIGHEST, LOWEST, Spectrum, Spreading
 
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # successive multiples of it, modulo 1, fill an interval evenly
-FREQUENCIES: Final = 40  # rows of the grid
+FREQUENCIES: Final = 60  # rows of the grid
 DIRECTIONS: Final = 10  # cells a row
-STRIDE: Final = 3  # order in which a row's cells take their frequencies; no common divisor with `DIRECTIONS`
-KNEE: Final = 0.6  # three quarters of the rows lie in this first share of the band, where ships resonate
+STRIDE: Final = 7  # order in which a row's cells take their frequencies; no common divisor with `DIRECTIONS`
+KNEE: Final = 0.5  # three quarters of the rows lie in this first share of the band, where ships resonate
 FINE: Final = 24  # directions from which waves are drawn
-ROUNDS: Final = 6  # of Newton's method in `calibrated`, at most
+LARGEST_FACTOR: Final = 5.0  # on a wave's energy in `calibrated`
+SOFTNESS: Final = 1e-4  # error of a sum, relative, for each unit of its multiplier
+ROUNDS: Final = 24  # of Newton's method, at most; three are usual, twelve enough for 96 waves
+HALVINGS: Final = 10  # of one of its steps, at most
 CLOSE: Final = 1e-5  # relative error of a sum at which it ends
-LARGEST_STEP: Final = 0.7  # of the logarithm of an energy in one round
-RIDGE: Final = 1e-6  # keeps severities that say the same (vertical velocity and displacement in swell) apart
+ARMIJO: Final = 1e-4  # share of the descent promised by the slope that a step must bring
+ROUNDING: Final = 1e-14  # relative, of the function that is minimised
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +80,7 @@ def sea_grid(spectrum: Spectrum, spreading: Spreading) -> SeaGrid:
 
     The directions of a row are evenly spaced and move on by the golden ratio of the spacing from row to row, and the
     cells of a row have their frequencies at different places within it: no two cells share a frequency or a direction.
-    So 400 cells integrate a resonance, narrow in both, as well as some thousand of a rectangular grid would. A
+    So 600 cells integrate a resonance, narrow in both, as well as some thousand of a rectangular grid would. A
     long-crested sea has one direction and as many rows.
     """
     spread = spreading.name != "long_crested"
@@ -168,39 +172,55 @@ def _fine_directions(grid: SeaGrid, importance: FloatArray) -> FloatArray:
     return np.asarray(padded[:-2] + padded[1:-1] + padded[2:], dtype=np.float64)
 
 
-def calibrated(energy: FloatArray, powers: FloatArray, targets: FloatArray) -> FloatArray:
+def calibrated(energy: FloatArray, powers: FloatArray, targets: FloatArray) -> tuple[FloatArray, float]:
     """Energies near the given ones whose sums are the targets: ``sum_i energy_i powers_ij = targets_j``.
 
-    Each energy is multiplied by a positive factor; the factors' logarithms are combinations of the powers (the change
-    of least relative entropy), found by Newton's method with bounded steps. Sums and solution are elementwise, so no
-    bit depends on threads.
+    Each energy is multiplied by a factor between 0 and `LARGEST_FACTOR`, the logit of calibration estimation (Deville &
+    Sarndal 1992, "Calibration estimators in survey sampling", J. Am. Stat. Assoc. 87): a rising function of a
+    combination of the powers, ``factor_i = F(sum_j lambda_j powers_ij)`` with ``F(0) = F'(0) = 1``. The multipliers
+    lambda minimise a convex function, by Newton's method with halved steps where a full one does not lower it. A few
+    waves cannot meet every set of sums; so the function has `SOFTNESS` times half the square of lambda in it, which
+    misses sums a little rather than let the multipliers run away. Sums and solution are elementwise, so no bit depends
+    on threads.
 
     Args:
         energy: Energies (n,) [m2].
         powers: Non-negative powers per energy (n, m).
-        targets: Sums to be met (m,), positive.
+        targets: Sums to be met (m,), positive; the energies' sum is about the first.
 
     Returns:
-        Energies (n,).
+        Energies (n,), and the largest relative error of a sum that is left.
     """
-    relative = powers / targets
+    shares = energy / targets[0]
+    relative = np.ascontiguousarray((powers * (targets[0] / targets)).T)  # (m, n); the sums are to be 1
+    multipliers = np.zeros(len(targets))
+    factors, value = _dual(shares, relative, multipliers)
     for _ in range(ROUNDS):
-        weighed = energy[:, np.newaxis] * relative
-        missing = 1.0 - np.sum(weighed, axis=0)
-        if np.max(np.abs(missing)) < CLOSE:
+        gradient = np.sum(relative * (shares * factors), axis=1) - 1.0 + SOFTNESS * multipliers
+        if np.max(np.abs(gradient)) < CLOSE:
             break
-        matrix = np.einsum("ij,ik->jk", weighed, relative)
-        matrix[np.diag_indices_from(matrix)] *= 1.0 + RIDGE
-        step = np.einsum("ij,j->i", relative, _solved(matrix, missing))
-        energy = energy * np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
-    return energy
+        slopes = shares * factors * (LARGEST_FACTOR - factors) / (LARGEST_FACTOR - 1.0)
+        matrix = np.einsum("ji,ki->jk", relative * slopes, relative)
+        matrix[np.diag_indices_from(matrix)] += SOFTNESS
+        step = -solved(matrix[..., np.newaxis], gradient[:, np.newaxis])[:, 0]
+        descent = float(np.sum(gradient * step))
+        length = 1.0
+        for _ in range(HALVINGS):
+            tried = _dual(shares, relative, multipliers + length * step)
+            if tried[1] <= value + ARMIJO * length * descent + ROUNDING * abs(value):
+                break
+            length *= 0.5
+        multipliers = multipliers + length * step
+        factors, value = tried
+    error = np.sum(relative * (shares * factors), axis=1) - 1.0
+    return energy * factors, float(np.max(np.abs(error)))
 
 
-def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Solution of a small symmetric positive system, by elimination."""
-    rows = np.concatenate([matrix, right[:, np.newaxis]], axis=1)
-    for k in range(len(rows)):
-        pivot = rows[k] / rows[k, k]
-        rows = rows - rows[:, k : k + 1] * pivot
-        rows[k] = pivot
-    return rows[:, -1]
+def _dual(shares: FloatArray, relative: FloatArray, multipliers: FloatArray) -> tuple[FloatArray, float]:
+    """Factors (n,) of the energies for given multipliers, and the convex function that those are to minimise."""
+    odds = LARGEST_FACTOR - 1.0
+    exponent = np.sum(relative * multipliers[:, np.newaxis], axis=0) * (LARGEST_FACTOR / odds)
+    above = np.logaddexp(math.log(odds), exponent)  # log(odds + e^x), whatever the size of x
+    value = odds * float(np.sum(shares * (above - math.log(LARGEST_FACTOR))))
+    value += float(np.sum(multipliers * (0.5 * SOFTNESS * multipliers - 1.0)))
+    return LARGEST_FACTOR * np.exp(exponent - above), value

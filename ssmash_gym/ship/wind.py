@@ -7,6 +7,7 @@ the axes of the steadily translating mean frame N: x forward, y starboard, z dow
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -49,6 +50,11 @@ SEA_WINDS: Final = (
 SEA_WIND_HEIGHT_M: Final = 19.5  # height for which the speeds above are given
 PROFILE: Final = 1.0 / 7.0  # exponent by which that source converts them to another height
 COLUMNS: Final = ("time_s", "wind_x_mps", "wind_y_mps", "wind_z_mps")  # of a record
+COMMENT: Final = "#"
+AXES: Final = (  # heads every record
+    "wind over the deck: velocity of the air over the frame that moves with the ship's mean velocity [m/s]",
+    "axes: x forward, y to starboard, z down; wind_x below 0 comes from ahead, wind_y below 0 from starboard",
+)
 STEP_TOLERANCE: Final = 0.05  # share of a record's time step by which a printed time may be off (rounding)
 
 
@@ -139,8 +145,12 @@ def write_wind(
     from_deg: float,
     dt: float,
     duration: float,
+    *,
+    comments: Sequence[str] = (),
 ) -> Path:
     """Write a record of the wind over the deck; the file is there whole, or not at all.
+
+    Comment lines head it, with axes and signs; then a line of column names and the rows, separated by commas.
 
     Args:
         path: The file; an existing one is replaced.
@@ -149,6 +159,7 @@ def write_wind(
         from_deg: Where the true wind comes from [deg]: 0 ahead, 90 from starboard.
         dt: Time step of the rows [s].
         duration: Length of the record [s]; rows run from 0 to the last multiple of `dt` within it.
+        comments: Lines that stand before those on axes and signs, each behind a ``#``.
 
     Returns:
         The path.
@@ -165,7 +176,7 @@ def write_wind(
     time = step * np.arange(count)
     speed = np.zeros(count) if gusts is None else gusts.at(time)[:, 0]
     rows = mean + speed[:, np.newaxis] * blows_towards(from_deg)
-    lines = [",".join(COLUMNS)]
+    lines = [*(f"{COMMENT} {line}" for line in (*comments, *AXES)), ",".join(COLUMNS)]
     lines += [",".join([f"{t:.10g}", *(f"{v:.12g}" for v in row)]) for t, row in zip(time, rows, strict=True)]
     try:
         write_text(path, "\n".join(lines) + "\n")
@@ -175,7 +186,7 @@ def write_wind(
 
 
 def read_wind(path: str | Path) -> WindRecord:
-    """Read a record of the wind over the deck, as `write_wind` writes it.
+    """Read a record of the wind over the deck, as `write_wind` writes it; lines that begin with ``#`` are passed over.
 
     Args:
         path: The file.
@@ -189,10 +200,11 @@ def read_wind(path: str | Path) -> WindRecord:
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
         raise ConfigurationError(f"wind file {file}: cannot be read ({error.strerror or error})") from error
-    names = tuple(name.strip() for name in lines[0].split(",")) if lines else ()
-    if names != COLUMNS:
-        raise ConfigurationError(f"wind file {file}, line 1: expected the columns {','.join(COLUMNS)}")
-    numbered = [(k, line) for k, line in enumerate(lines[1:], start=2) if line.strip()]
+    told = [(k, line) for k, line in enumerate(lines, start=1) if line.strip() and not line.startswith(COMMENT)]
+    number, names = told[0] if told else (1, "")
+    if tuple(name.strip() for name in names.split(",")) != COLUMNS:
+        raise ConfigurationError(f"wind file {file}, line {number}: expected the columns {','.join(COLUMNS)}")
+    numbered = told[1:]
     if len(numbered) < 2:
         raise ConfigurationError(f"wind file {file}: it holds {len(numbered)} rows of numbers, allowed are 2 or more")
     table = np.array([_row(file, k, line) for k, line in numbered])

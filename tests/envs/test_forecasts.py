@@ -32,6 +32,20 @@ MOTION: dict[str, Any] = {
     "sway": {"rms": [0.3], "period_s": [9.0]},
 }
 SEA = {"base": "flat", "motion": MOTION, "sensors": {"noise": 1.0, "delay_s": {"uniform": [0.0, 0.15]}}}
+SEAWAY: dict[str, Any] = {
+    "base": "flat",
+    "motion": {
+        "type": "seaway",
+        "hs_m": {"uniform": [2.0, 4.0]},
+        "heading_deg": {"uniform": [0.0, 360.0]},
+        "speed_kn": {"uniform": [0.0, 20.0]},
+    },
+    "sensors": SEA["sensors"],
+}
+LONG = {"lead_in": {"duration_s": 8.0, "ramp_s": 8.0}}  # a short one jerks a ship's deck harder than the sea does
+MOVING = pytest.mark.parametrize(
+    ("scenario", "task"), [pytest.param(SEA, {}, id="irregular"), pytest.param(SEAWAY, LONG, id="seaway")]
+)
 NAMES = [f"forecast_{name}_{lead}s" for name in ("roll", "fy", "fz") for lead in (1, 2, 3, 5)]
 TERMS_OF_ROLL = ["yaw", "forecast_roll_2s", "deck_roll", "forecast_roll_1s"]
 HOLD = np.zeros(2)
@@ -76,19 +90,20 @@ def test_what_is_measured_does_not_change() -> None:
         a, b = plain.step(np.zeros((2, 2))).observation, more.step(np.zeros((2, 2))).observation
 
 
-def test_forecasts_come_true() -> None:
+@MOVING
+def test_forecasts_come_true(scenario: dict[str, Any], task: dict[str, Any]) -> None:
     """Against what the deck then does, over many seas, at the episode's start and later: much better than nothing.
 
     The error's share of the truth: small 1 s ahead, with the first reading as with later ones; 1 at most 5 s ahead.
     """
-    env = make(24)
+    env = make(24, scenario, task)
     seen = told(env, 30)
     limits, scales = {"roll": 0.25, "fy": 0.4, "fz": 0.35}, {"roll": 0.1, "fy": 1.0, "fz": 1.0}
     for row, (name, lead) in enumerate((name, lead) for name in limits for lead in (1, 2, 3, 5)):
         errors, truths = [], []
         for k, draw in enumerate(env.draws):
             assert draw is not None
-            times = 2.0 + 0.1 * np.arange(31) + lead - draw.sensors_delay_s
+            times = env.task.lead_in.duration_s + 0.1 * np.arange(31) + lead - draw.sensors_delay_s
             table = env.starter.table(draw)
             force = table.pose(times).specific_force_S(9.81)
             truth = {"roll": table.at(times).position[:, 3], "fy": force[:, 1], "fz": force[:, 2] + 9.81}[name]
@@ -136,9 +151,12 @@ class Blind(Motion):
         return self.motion.signal(t)
 
 
-def test_nothing_after_the_start_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+@MOVING
+def test_nothing_after_the_start_is_looked_at(
+    scenario: dict[str, Any], task: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The motion is asked up to the task's time zero only, and later readings come from the table alone."""
-    env, other = make(), make()
+    env, other = make(1, scenario, task), make(1, scenario, task)
     asked: list[Blind] = []
     starter = other.starter
     real = starter.motion
@@ -166,16 +184,17 @@ def test_the_future_of_the_table_is_not_in_the_forecasts() -> None:
     assert not np.array_equal(a[:, places(env, NAMES)], b[:, places(env, NAMES)])
 
 
-def test_bits_do_not_depend_on_the_batch() -> None:
+@MOVING
+def test_bits_do_not_depend_on_the_batch(scenario: dict[str, Any], task: dict[str, Any]) -> None:
     """Column by column the single environment, whatever the number of neighbours, threads, and order of the columns."""
-    many, threaded = told(make(6), 4), told(make(6, threads=2), 4)
+    many, threaded = told(make(6, scenario, task), 4), told(make(6, scenario, task, threads=2), 4)
     assert np.array_equal(many, threaded)
     for k in (0, 3, 5):
-        env = make(1)
+        env = make(1, scenario, task)
         seen = [env.reset(seeds=[k])]
         seen += [env.step([HOLD]).observation for _ in range(4)]
         assert np.array_equal(np.array(seen)[:, 0, places(env, NAMES)], many[:, k])
-    mixed = make(6)
+    mixed = make(6, scenario, task)
     mixed.reset(seeds=list(range(6)))
     order = np.array([4, 1, 5])
     part = mixed.step(np.zeros((3, 2)), order).observation

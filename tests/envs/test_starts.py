@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter, relative_wind, varied, vary
 from ssmash_gym.envs.vector import TraverseVectorEnv
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.ship import Fixed, parse_motion, write_shipmo
+from ssmash_gym.ship import Fixed, Motion, parse_motion, write_shipmo
 from ssmash_gym.simulation.parameters import parameter_column
 from ssmash_gym.vehicle import load_helicopter
 
@@ -171,23 +172,24 @@ def test_a_gust_goes_with_the_true_wind() -> None:
 
 
 SEA: dict[str, Any] = {"motion": {"components": 24}}  # of the training scenario
+SINE: dict[str, Any] = {"type": "sinusoid", "dof": "roll", "amplitude_deg": 3.0, "period_s": 6.0}
 
 
 def test_the_same_seed_is_the_same_sea_whatever_the_batch_and_the_threads() -> None:
     """Deck tables, gusts and wind bit for bit, alone, in a crowd, and prepared ahead."""
-    deck, wind = [], []
+    deck, gusts, wind = [], [], []
     for n, threads in ((1, 1), (9, 1), (9, 2)):
         env = TraverseBatch(n, task=SHORT, scenario=SEA, threads=threads)
         env.reset(seeds=[70 + k for k in range(n)])
         env.reset([0])  # its next episode: from the nursery in a larger batch
-        nodes = env.batch.nodes[0]
-        deck.append(nodes[: np.flatnonzero(nodes[:, 6:].any(axis=1))[-1] + 1].copy())
+        for found, nodes in ((deck, env.batch.nodes[0]), (gusts, env.batch.gust_nodes[0])):
+            moving = nodes[:, nodes.shape[1] // 3 :].any(axis=1)
+            found.append(nodes[: np.flatnonzero(moving)[-1] + 1].copy())
         wind.append(env.batch.parameters[Par.WIND : Par.GUST + 3, 0].copy())
-    assert deck[0].any()
-    for other in deck[1:]:
-        assert np.array_equal(deck[0], other)
-    for other in wind[1:]:
-        assert np.array_equal(wind[0], other)
+    for tables in (deck, gusts, wind):
+        assert tables[0].any()
+        for other in tables[1:]:
+            assert np.array_equal(tables[0], other)
 
 
 def test_the_severity_of_the_sea_is_among_the_metrics() -> None:
@@ -211,7 +213,7 @@ def test_the_severity_of_the_sea_is_among_the_metrics() -> None:
         assert found == {
             "sea_lateral_g": severity.lateral_specific_force_g,
             "sea_roll_deg": severity.roll_deg,
-            "sea_hs_m": draw.motion["hs_m"],
+            **{f"sea_{key}": draw.motion[key] for key in ("hs_m", "heading_deg", "speed_kn")},
         }
         assert first[k]["within_validity"] is (motion.outside_validity is None)
     assert {metrics["sea_hs_m"] for metrics in first} == {0.5, 5.0}
@@ -224,7 +226,7 @@ def test_the_severity_of_the_sea_is_among_the_metrics() -> None:
 def test_a_sea_that_rolls_too_much_is_flagged() -> None:
     sea = {"type": "seaway", "hs_m": 5.0, "heading_deg": 90.0, "speed_kn": 0.0, "components": 24}
     found = []
-    for damping in (0.2, 3.0):
+    for damping in (0.5, 2.0):
         motion = {**sea, "roll_damping_factor": damping}
         env = TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": motion})
         env.reset(seeds=[0])
@@ -240,10 +242,74 @@ def test_motions_without_a_sea_have_figures_too() -> None:
     draw = env.draws[0]
     assert draw is not None
     found = env.starter.decks.figures(draw)
-    assert found.roll_deg == pytest.approx(draw.motion["roll"]["rms_deg"], rel=0.15)  # of a record of finite length
-    assert np.isnan(found.hs_m) and found.within_validity and found.lateral_g > 0.01
+    assert found.roll_deg == pytest.approx(draw.motion["roll"]["rms_deg"], rel=1e-12)  # of the long run
+    assert found.hs_m is None and found.within_validity and found.lateral_g > 0.01
+    other = env.starter.decks.figures(replace(draw, motion_seed=draw.motion_seed + 1))
+    assert other.lateral_g != found.lateral_g
     still = env.starter.decks.figures(flat_draw())
     assert (still.roll_deg, still.lateral_g) == (0.0, 0.0)
+    assert [still.metrics()[f"sea_{key}"] for key in ("hs_m", "heading_deg", "speed_kn")] == [None] * 3
+
+
+def test_what_is_the_same_for_every_seed_is_worked_out_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A record is sampled for its figures once, whatever the seed and the start; a drawn motion never is."""
+    sampled: list[Motion] = []
+    real = Motion.deck_rms
+    monkeypatch.setattr(Motion, "deck_rms", lambda motion, *more: sampled.append(motion) or real(motion, *more))
+    path = write_shipmo(tmp_path / "sea.csv", parse_motion(SINE), 0.1, 30.0)
+    decks = Starter(load_helicopter("generic_tricycle"), load_task(SHORT), load_scenario("flat")).decks
+    record = flat_draw(motion={"type": "file", "path": str(path)})
+    found = [
+        decks.figures(replace(record, motion_seed=seed, motion={**record.motion, "start_s": float(seed)}))
+        for seed in range(3)
+    ]
+    assert len(sampled) == 1 and found[0] is found[1] is found[2]
+    sine = decks.figures(flat_draw(motion=SINE))
+    assert sine is decks.figures(flat_draw(motion=SINE, motion_seed=5)) and len(sampled) == 1
+    assert found[0].roll_deg == pytest.approx(sine.roll_deg, rel=0.01) == pytest.approx(3.0 / np.sqrt(2.0), rel=0.01)
+
+
+def test_a_draw_that_its_table_refuses_leaves_everything_as_it_was(tmp_path: Path) -> None:
+    """A record that ends too soon is found out when it is baked: generators, draws and physics must not have moved."""
+    path = write_shipmo(tmp_path / "short.csv", Fixed(), 0.1, 8.0)
+    short = flat_draw(motion={"type": "file", "path": str(path)}, helicopter_mass_factor=1.1, wind_speed_mps=9.0)
+    env, other = (TraverseBatch(2, task=SHORT, scenario=SEA, threads=1) for _ in range(2))
+    for each in (env, other):
+        each.reset(seeds=[0, 1])
+        each.step(np.zeros((2, 2)))
+    for seeds in (None, [5, 6]):
+        with pytest.raises(ConfigurationError, match=r"draw: motion: bake: a table from 0 to .* 0 to 8 s"):
+            env.reset(seeds=seeds, draws=[short, None])
+    assert env.draws == other.draws
+    assert np.array_equal(env.batch.parameters, other.batch.parameters)
+    assert np.array_equal(env.batch.nodes, other.batch.nodes)
+    a, b = env.step(np.zeros((2, 2))), other.step(np.zeros((2, 2)))
+    assert np.array_equal(a.observation, b.observation) and np.array_equal(a.reward, b.reward)
+    assert np.array_equal(env.reset(), other.reset())
+
+
+def test_a_neighbours_refused_draw_stops_nobody_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Starts are prepared together; one that is refused is told when its own column wants it, and leaves no start."""
+    arguments: dict[str, Any] = {"task": {"horizon_s": 0.4, "lead_in": {"duration_s": 4.0, "ramp_s": 3.0}}}
+    env, other = (TraverseBatch(9, threads=1, **arguments) for _ in range(2))
+    for each in (env, other):
+        each.reset(seeds=list(range(9)))
+    assert env.generators[7] is not None
+    bad = env.scenario.sample(copy.deepcopy(env.generators[7])).motion_seed
+    real = env.starter.decks.baked
+
+    def refusing(given: Any, seed: int) -> Any:
+        if seed == bad:
+            raise ConfigurationError("bake: too fast.")
+        return real(given, seed)
+
+    monkeypatch.setattr(env.starter.decks, "baked", refusing)
+    assert np.array_equal(env.reset([2]), other.reset([2]))
+    for _ in range(2):
+        with pytest.raises(ConfigurationError, match="draw: motion: bake: too fast"):
+            env.reset([7])
+    monkeypatch.undo()
+    assert np.array_equal(env.reset([7]), other.reset([7]))
 
 
 @pytest.mark.parametrize(
@@ -297,8 +363,9 @@ def test_motions_are_tried_at_construction(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"scenario: motion\.start_s"):
         TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": late})
     way = {"type": "seaway", "ship": "canoe", "hs_m": 1.0, "heading_deg": 0.0, "speed_kn": 5.0}
-    with pytest.raises(ConfigurationError, match=r"scenario: motion\.ship .*canoe"):
-        TraverseBatch(1, task=SHORT, scenario={"base": "flat", "motion": way})
+    for scenario in ({"base": "flat", "motion": way}, {"base": "training", "motion": {"ship": "canoe"}}):
+        with pytest.raises(ConfigurationError, match=r"^scenario: motion\.ship .*canoe"):
+            TraverseBatch(1, task=SHORT, scenario=scenario)
     with pytest.raises(ConfigurationError, match="euler_order"):
         load_scenario({"base": "flat", "motion": {**gone, "euler_order": "zzz"}})
     with pytest.raises(ConfigurationError, match="count twice"):

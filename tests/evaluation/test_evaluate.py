@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,10 @@ from ssmash_gym.envs.task import load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation import episodes as running
 from ssmash_gym.evaluation.episodes import run_episodes
-from ssmash_gym.evaluation.evaluate import typical_seed
+from ssmash_gym.evaluation.evaluate import scenario_name, typical_seed
 from ssmash_gym.evaluation.policies import baselines, find_agent, make_baseline
 from ssmash_gym.evaluation.report import severity_table
+from ssmash_gym.evaluation.statistics import share
 from ssmash_gym.evaluation.summary import comparison, policy_summary
 from ssmash_gym.vehicle.document import write_yaml
 
@@ -71,7 +73,10 @@ def test_the_summary_has_its_form(results: Path) -> None:
         assert set(found["cost_rates"]) == set(LIMITS)
         assert 0.0 <= found["outside_validity_rate"] <= 1.0
         assert sum(band["episodes"] for band in found["by_lateral_g"]) == 3
+        low, high = found["success_rate_ci"]
+        assert low == 0.0 and 0.5 < high < 0.6  # none of 3, Wilson
     assert {"seed", "version", "configuration", "comparison"} <= set(summary)
+    assert (summary["scenario"], summary["scenario_description"]) == ("training", load_scenario("training").description)
     assert set(summary["comparison"]) == {"trapezoid", "hold"}
 
 
@@ -81,9 +86,10 @@ def test_results_hold_a_row_an_episode_and_a_picture(results: Path) -> None:
     seeds = [frame.filter(policy=name)["seed"].to_list() for name in ("yield", "trapezoid", "hold")]
     assert seeds[0] == seeds[1] == seeds[2]
     assert len(set(seeds[0])) == 3
-    sea = ["sea_lateral_g", "sea_roll_deg", "sea_hs_m", "within_validity"]
+    sea = ["sea_lateral_g", "sea_roll_deg", "sea_hs_m", "sea_heading_deg", "sea_speed_kn", "within_validity"]
     assert frame.filter(policy="yield").select(sea).equals(frame.filter(policy="hold").select(sea))
     assert frame["sea_hs_m"].is_between(0.5, 5.0).all() and frame["sea_lateral_g"].is_between(0.0, 0.3).all()
+    assert frame["sea_heading_deg"].is_between(0.0, 360.0).all() and frame["sea_speed_kn"].is_between(0.0, 20.0).all()
     assert (results / "peaks.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -106,6 +112,8 @@ def test_what_is_told_of_progress_adds_up_to_what_was_simulated() -> None:
     told: list[int] = []
     frame = run_episodes(make_baseline("hold", load_task(SHORT)), load_scenario("flat"), [1, 2], tell=told.append)
     assert sum(told) == round(frame["time_s"].sum() / 0.1)
+    sea = frame.select("sea_hs_m", "sea_heading_deg", "sea_speed_kn")  # columns of numbers also where there is no sea
+    assert sea.dtypes == [pl.Float64] * 3 and sea.null_count().row(0) == (2, 2, 2)
 
 
 def test_a_failed_episode_counts_with_the_ultimate_load() -> None:
@@ -148,14 +156,45 @@ def test_severity_of_the_seas_is_told() -> None:
     assert found["outside_validity_rate"] == 0.5
     mild, rough = found["by_lateral_g"]
     assert mild == {
-        "from_g": 0.0, "to_g": 0.02, "episodes": 1, "success_rate": 1.0, "peak_probe_kN": {"mean": 6.0, "p95": 6.0},
+        "from_g": 0.0, "to_g": 0.02, "episodes": 1, "success_rate": 1.0, "success_rate_ci": share([1.0]).interval,
+        "peak_probe_kN": {"mean": 6.0, "p95": None},
     }  # fmt: skip
     assert (rough["from_g"], rough["to_g"], rough["success_rate"]) == (0.08, None, 0.0)
     console = Console(width=140)
     with console.capture() as shown:
         console.print(severity_table({"yield": found}))
     text = shown.get()
-    assert "0 to 0.02 g" in text and "from 0.08 g" in text and "30.0 / 30.0, 0" in text and "50.0 %" in text
+    assert "0 to 0.02 g" in text and "from 0.08 g" in text and "30.0 / -, 0" in text and "50.0 %" in text
+
+
+def test_a_band_needs_twenty_episodes_for_a_95th_percentile() -> None:
+    seas = pl.concat([rows(scored_peak_kN=[6.0, 30.0])] * 10)
+    assert policy_summary(seas[:19])["by_lateral_g"][0]["peak_probe_kN"]["p95"] is None
+    full = policy_summary(seas)
+    assert full["by_lateral_g"][0]["peak_probe_kN"]["p95"] == 30.0
+    console = Console(width=140)
+    with console.capture() as shown:
+        console.print(severity_table({"yield": full}))
+    assert "18.0 / 30.0, 100" in shown.get()
+
+
+def test_the_scenario_has_a_name_in_table_and_summary(
+    tmp_path: Path, short_task: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "my_sea.yaml"
+    mine.write_text("motion: {type: fixed}\n")
+    words = ["--task", str(short_task), "--episodes", "1", "--no-plots", "--against", "hold", "--out", str(tmp_path)]
+    for given, name in ((str(mine), "my_sea"), ("flat", "flat")):
+        assert main(["evaluate", *words, "--scenario", given]) == 0
+        assert f"scenario {name}, 1 episodes" in capsys.readouterr().out
+        assert json.loads((tmp_path / "summary.json").read_text())["scenario"] == name
+
+
+def test_an_agents_own_scenario_is_called_by_name() -> None:
+    about = {"name": "mine"}
+    one = SimpleNamespace(scenario=load_scenario("ss4"), **about)
+    other = SimpleNamespace(scenario=load_scenario({"base": "ss4", "sensors": {"noise": 0.0}}), **about)
+    assert [scenario_name(agent) for agent in (one, other)] == ["ss4", "of mine"]  # type: ignore[arg-type]
 
 
 def test_on_time_means_within_a_fifth_of_the_others_median() -> None:

@@ -1,11 +1,11 @@
-"""Bootstrap: intervals agree with theory on synthetic samples, and pairs count as pairs."""
+"""Intervals agree with theory on synthetic samples, pairs count as pairs, and shares never have a width of zero."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from ssmash_gym.evaluation.statistics import bootstrap, bootstrap_ratio, mean, median, p95
+from ssmash_gym.evaluation.statistics import bootstrap, mean, median, p95, share
 
 
 def test_interval_of_a_mean_agrees_with_the_normal_one() -> None:
@@ -41,17 +41,17 @@ def test_a_sample_of_one_value_has_no_width() -> None:
 
 def test_a_policy_against_itself_is_one_without_width() -> None:
     sample = np.random.default_rng(4).random(60) + 1.0
-    found = bootstrap_ratio(sample, sample, p95)
+    found = bootstrap(sample, p95, over=sample)
     assert (found.value, found.low, found.high) == (1.0, 1.0, 1.0)
 
 
 def test_pairs_are_drawn_together() -> None:
     rng = np.random.default_rng(5)
     base = rng.lognormal(2.0, 0.8, 100)
-    found = bootstrap_ratio(0.5 * base * rng.uniform(0.95, 1.05, 100), base, mean)
+    found = bootstrap(0.5 * base * rng.uniform(0.95, 1.05, 100), mean, over=base)
     assert found.low == pytest.approx(0.5, abs=0.02)
     assert found.high == pytest.approx(0.5, abs=0.02)
-    apart = bootstrap_ratio(0.5 * rng.permutation(base), base, mean)
+    apart = bootstrap(0.5 * rng.permutation(base), mean, over=base)
     assert apart.high - apart.low > 5.0 * (found.high - found.low)
 
 
@@ -63,6 +63,24 @@ def test_a_bad_sample_is_refused(sample: list[float]) -> None:
 
 def test_unequal_pairs_and_a_zero_denominator_are_refused() -> None:
     with pytest.raises(ValueError, match="3 and 2"):
-        bootstrap_ratio([1.0, 2.0, 3.0], [1.0, 2.0], mean)
+        bootstrap([1.0, 2.0, 3.0], mean, over=[1.0, 2.0])
     with pytest.raises(ValueError, match="denominator"):
-        bootstrap_ratio([1.0, 2.0], [0.0, 0.0], mean)
+        bootstrap([1.0, 2.0], mean, over=[0.0, 0.0])
+
+
+def test_interval_of_a_share_is_wilsons() -> None:
+    """The two bounds are the rates from which the sample is 1.96 of their own deviations away (Wilson 1927)."""
+    hits = np.repeat([1.0, 0.0], [13, 7])
+    found = share(hits)
+    assert found.value == 0.65
+    for bound in (found.low, found.high):
+        assert abs(found.value - bound) == pytest.approx(1.959964 * np.sqrt(bound * (1.0 - bound) / 20.0))
+    none, every = share(np.zeros(16)), share(np.ones(16))
+    assert (none.value, none.low, every.value, every.high) == (0.0, 0.0, 1.0, 1.0)
+    assert every.low == pytest.approx(16.0 / (16.0 + 1.959964**2)) and none.high == pytest.approx(1.0 - every.low)
+
+
+@pytest.mark.parametrize("sample", [[], [0.5], [1.0, np.nan], [2.0, 0.0]])
+def test_a_share_is_of_zeros_and_ones(sample: list[float]) -> None:
+    with pytest.raises(ValueError, match=r"finite|zeros and ones"):
+        share(sample)

@@ -77,6 +77,13 @@ def test_no_wind_or_no_intensity_is_no_gust(mean: float, intensity: float) -> No
     assert gust.rms == 0.0 and not gust.bake(5.0).nodes.any()
 
 
+@pytest.mark.parametrize("mean", [1e-300, 5e-324, 1e-9])
+def test_next_to_no_wind_is_next_to_no_gust(mean: float) -> None:
+    gust = Gust.draw(mean, 0.3, np.random.default_rng(0))
+    assert np.isfinite(gust.amplitude).all() and np.max(gust.amplitude) <= mean
+    assert np.isfinite(gust.bake(5.0).nodes).all()
+
+
 def test_rates_are_the_derivatives() -> None:
     gust = Gust.draw(15.0, 0.2, np.random.default_rng(5))
     t, d = np.linspace(0.0, 30.0, 40), 1e-5

@@ -124,6 +124,16 @@ def test_interpolation_passes_through_the_table(hull: HullDatabase) -> None:
         np.testing.assert_allclose(got.reshape(table.shape), table, atol=1e-10 * np.abs(table).max())
 
 
+def test_the_trios_are_the_whole_of_the_radiation(hull: HullDatabase) -> None:
+    omega, _ = everywhere(hull, 40)
+    trios, own = hull.radiation_trios(-omega), hull.own_radiation(omega)
+    for part, matrix in enumerate(hull.radiation(omega)):
+        for trio, dofs in enumerate((EVEN, ODD)):
+            np.testing.assert_array_equal(trios[part, trio].transpose(2, 0, 1), matrix[:, dofs][:, :, dofs])
+            np.testing.assert_array_equal(own[part, trio].T, np.einsum("nii->ni", matrix)[:, dofs])
+        assert not matrix[:, EVEN][:, :, ODD].any()
+
+
 def test_between_the_nodes_the_force_is_the_exact_one(hull: HullDatabase, tool: Callable[[str], ModuleType]) -> None:
     shape = tool("frigate_hull")
     omega, beta = everywhere(hull, 60)
@@ -221,7 +231,7 @@ def test_scaling_there_and_back(hull: HullDatabase) -> None:
     assert hull.scaled(1.0) is hull
 
 
-@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf, 1e6, 1e-3])
 def test_a_scale_that_is_none_is_refused(hull: HullDatabase, factor: float) -> None:
     with pytest.raises(ConfigurationError, match="scale"):
         hull.scaled(factor)
@@ -287,6 +297,9 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
     text.write_text("not an archive")
     with pytest.raises(ConfigurationError, match="not a hull database"):
         load_hull(text)
+    (tmp_path / "empty.npz").touch()
+    with pytest.raises(ConfigurationError, match="not a hull database"):
+        load_hull(tmp_path / "empty.npz")
     array = tmp_path / "array.npz"
     with array.open("wb") as file:
         np.save(file, np.zeros(3))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from pydantic import BaseModel, TypeAdapter
@@ -10,6 +12,7 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship import (
     CHANNELS,
     DOFS,
+    DeckRms,
     Fixed,
     Irregular,
     IrregularRotation,
@@ -20,7 +23,7 @@ from ssmash_gym.ship import (
     Sinusoid,
     parse_motion,
 )
-from ssmash_gym.ship.harmonics import spectrum_bins
+from ssmash_gym.ship.harmonics import Component, Harmonics, spectrum_bins
 
 
 def rolling(rms_deg: float = 3.0, period_s: float = 10.0, **other: object) -> Irregular:
@@ -119,6 +122,45 @@ def test_irregular_rates_do_not_depend_on_luck() -> None:
     x = 0.5 * (edges[1:] + edges[:-1])
     expected = np.radians(3.0) * 2.0 * np.pi / 10.0 * np.sqrt(np.sum(energy * x**2))
     assert np.mean(spread, axis=0)[0] == pytest.approx(expected, rel=0.01)
+
+
+FIGURES = [field.name for field in fields(DeckRms)]
+
+
+def test_severity_of_sines_is_that_of_a_long_record() -> None:
+    """Closed form against the sampled motion, heeled, trimmed and turned, in all six degrees of freedom at once."""
+    parts = {dof: {"rms_m": 0.3 + 0.1 * k, "period_s": 7.0 + k} for k, dof in enumerate(DOFS[:3])}
+    turns = {dof: {"rms_deg": 1.0 - 0.2 * k, "period_s": 8.0 + k} for k, dof in enumerate(DOFS[3:])}
+    pose = {"roll_deg": 5.0, "pitch_deg": -3.0, "yaw_deg": 40.0, "x_m": 1.0}
+    source = Irregular.model_validate({**parts, **turns, **pose, "components": 16})
+    motion = source.realise(np.random.default_rng(2))
+    exact, long = motion.deck_rms(), Motion.deck_rms(motion, 10_000.0)
+    for name in FIGURES:
+        assert getattr(exact, name) == pytest.approx(getattr(long, name), rel=0.01), name
+    assert exact.roll_deg == pytest.approx(1.0, rel=1e-12)
+    assert exact.heave_m == pytest.approx(0.5, rel=1e-12)
+    with pytest.raises(ConfigurationError, match="duration_s is 0"):
+        motion.deck_rms(0.0)
+
+
+def test_sines_of_one_frequency_add_up_with_their_phases() -> None:
+    """Sway can take away what roll makes felt: only phases tell, so the channels must not be added as strangers."""
+    omega, roll = np.array([0.7]), 0.05
+    sway = 9.81 * roll / 0.7**2  # its acceleration is then g times the roll
+
+    def felt(phase: float, yaw: float) -> tuple[float, float]:
+        leaning = Component(3, omega, np.array([roll]), np.zeros(1))
+        along = [(0, -np.sin(yaw)), (1, np.cos(yaw))]  # to starboard of a ship that points elsewhere
+        moving = [Component(k, omega, np.array([sway * part]), np.array([phase])) for k, part in along]
+        motion = Harmonics([0.0, 0.0, 0.0, 0.0, 0.0, yaw], (leaning, *moving))
+        sampled = Motion.deck_rms(motion, 20.0 * np.pi / 0.7 * 10.0)
+        return motion.deck_rms().lateral_specific_force_g, sampled.lateral_specific_force_g
+
+    for yaw in (0.0, 0.6):
+        for phase, share in ((0.0, 2.0), (0.5 * np.pi, np.sqrt(2.0)), (np.pi, 0.0)):
+            exact, sampled = felt(phase, yaw)
+            assert exact == pytest.approx(share * roll / np.sqrt(2.0), abs=1e-12)
+            assert exact == pytest.approx(sampled, abs=5e-3 * roll)
 
 
 def test_same_generator_state_same_bits_and_other_seed_other_motion() -> None:

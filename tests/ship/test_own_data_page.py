@@ -36,12 +36,14 @@ def test_the_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         else:
             assert kind == "text" and printed.startswith(text), (printed, text)
             compared += 1
-    assert compared == 3
+    assert compared == 4
+    assert [line.split()[0] for line in printed.splitlines()] == ["file", "seaway", "seaway"]  # in the environment
+    assert "'kg_m': 6.0" in printed
     assert {"my_ship.csv", "my_ship.yaml", "my_record.yaml", "logger.csv", "frigate.csv"} <= {
         p.name for p in tmp_path.iterdir()
     }
-    motion, table = names["motion"], names["table"]
-    assert isinstance(motion, Motion) and motion.consistent  # type: ignore[attr-defined]
+    record, table = names["record"], names["table"]
+    assert isinstance(record, Motion) and record.consistent  # type: ignore[attr-defined]
     assert isinstance(table, MotionTable) and np.degrees(np.std(table.nodes[:, 3])) == pytest.approx(
         3.0 / 2**0.5, rel=0.1
     )

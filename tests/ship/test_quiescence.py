@@ -16,6 +16,7 @@ from ssmash_gym.ship.quiescence import (
     Window,
     energy_index,
     label,
+    record_means,
     statistics,
     windows,
     zero_crossing_frequencies,
@@ -120,6 +121,20 @@ def test_the_index_of_a_sine_is_its_amplitude_over_the_limit() -> None:
     signal = table.at(np.linspace(0.0, 24.0, 50))
     np.testing.assert_allclose(energy_index(signal, {"roll_deg": 2.5, "pitch_deg": 1.0}, exact), 2.0, rtol=1e-5)
     np.testing.assert_allclose(energy_index(signal, {"roll_deg": 2.5}, frequencies), 2.0, rtol=0.02)
+
+
+def test_the_index_of_a_heeled_deck_counts_the_heel() -> None:
+    """2 deg of heel and a roll of 1.5 deg reach 3.5 deg in every cycle: beyond 2.5 deg at all times."""
+    table = Sinusoid(dof="roll", amplitude_deg=1.5, period_s=PERIOD_S, roll_deg=2.0).bake(24.0)
+    limits, w = {"roll_deg": 2.5}, {"roll_deg": 2.0 * math.pi / PERIOD_S}
+    means = record_means(table, limits)
+    assert means["roll_deg"] == pytest.approx(2.0, abs=0.03)
+    signal = table.at(np.linspace(0.0, 24.0, 50))
+    np.testing.assert_allclose(energy_index(signal, limits, w, {"roll_deg": 2.0}), 1.4, rtol=1e-5)
+    np.testing.assert_allclose(energy_index(signal, limits, w, means), 1.4, rtol=0.03)
+    assert np.min(energy_index(signal, limits, w)) < 0.5  # without the mean it swings
+    with pytest.raises(ConfigurationError, match="mean of roll_deg is nan"):
+        energy_index(signal, limits, w, {"roll_deg": math.nan})
 
 
 @pytest.mark.parametrize(

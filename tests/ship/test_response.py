@@ -21,6 +21,7 @@ from ssmash_gym.ship.response import (
     Loading,
 )
 from ssmash_gym.ship.roll_damping import RollDamping
+from ssmash_gym.ship.seaway_statistics import deck_transfer
 
 G = 9.81
 KNOT = 1852.0 / 3600.0
@@ -170,7 +171,7 @@ def test_reversed_stream_swaps_cause_and_effect(trio) -> None:
     """Timman and Newman's relation: the coefficient of i by j at U is that of j by i at -U."""
     response = ship(0.1, Guards(restraint_period_s=1e12))
     omega = np.array([0.4, 0.8, 1.3])
-    radiation, excitation = response.hull.radiation(omega), response.hull.excitation(omega, -1.0)
+    radiation, excitation = response.hull.radiation_trios(omega), response.hull.excitation(omega, -1.0)
     ahead, astern = (response._equations(trio, omega, omega, U, radiation, excitation)[0] for U in (8.0, -8.0))
     scale = np.abs(ahead).max(axis=(0, 1))
     np.testing.assert_allclose(ahead / scale, astern.transpose(1, 0, 2) / scale, atol=1e-9)
@@ -264,6 +265,9 @@ BAND, BAND_UP_TO = 0.20, 0.6  # share; wave frequency [rad/s]
 # A motion below this is nothing: roll in head seas, and pitch in beam seas, which is a small difference of large
 # forces (a tenth of the slope there).
 NOTHING = 0.1
+TURNED, TURNED_ROLL = 8.0, 40.0  # of phase [deg]
+DECK = np.array([-45.0, 0.0, -6.0])
+FELT, BAND_FORCE = 0.05, 0.30  # lateral specific force at the deck that counts [m/s2 per metre of wave]; share
 
 
 @pytest.mark.parametrize("name", POINTS)
@@ -277,12 +281,23 @@ def test_response_at_speed_against_a_solution_with_the_speed_in_it(name: str) ->
     native[[SURGE, SWAY, YAW]] *= (omega_e / 0.20) ** 4 / (1.0 + (omega_e / 0.20) ** 4)  # the fixture has no high-pass
     unit = np.array([1.0, 1.0, 1.0, *3 * [omega**2 / G]])
     ratios = {dof: abs(H[dof]) / abs(native[dof]) for dof in range(6) if abs(native[dof]) > 0.01 * unit[dof]}
-    print(name, *(f"{DOFS[dof]} {abs(native[dof] / unit[dof]):.3f} x {ratio:.2f}" for dof, ratio in ratios.items()))
+    turned = {dof: np.degrees(np.angle(H[dof] / native[dof])) for dof in ratios}
+    figures = (
+        f"{DOFS[dof]} {abs(native[dof] / unit[dof]):.3f} x {ratios[dof]:.2f} {turned[dof]:+.0f}" for dof in ratios
+    )
+    forces = [
+        deck_transfer(np.array([omega_e]), motion[np.newaxis], DECK, np.zeros(2)).lateral_specific_force[0]
+        for motion in (H, native)
+    ]
+    print(name, *figures, f"f_y {abs(forces[1]):.3f} x {abs(forces[0]) / max(abs(forces[1]), 1e-9):.2f}")
     if omega <= BAND_UP_TO:
         checked = [dof for dof in COMPARED if abs(native[dof]) > NOTHING * unit[dof]]
         assert checked
         for dof in checked:
             assert ratios[dof] == pytest.approx(1.0, abs=BAND), DOFS[dof]
+            assert abs(turned[dof]) < (TURNED_ROLL if dof == ROLL else TURNED), DOFS[dof]
+        if abs(forces[1]) > FELT:
+            assert abs(forces[0]) / abs(forces[1]) == pytest.approx(1.0, abs=BAND_FORCE)
     else:  # printed; both are small there
         assert np.all(np.abs(H[COMPARED,] - native[COMPARED,]) < np.array([0.3, 1.5, 0.2]) * unit[COMPARED,])
 

@@ -64,6 +64,9 @@ def with_field(line: int, column: int, value: str) -> list[str]:
 
 MALFORMED = {
     "only comments": (["# nothing"], ("no line of column names",)),
+    "semicolons": ([line.replace(",", ";") for line in [HEADER, *ROWS]], ("no comma", "commas expected", "a point")),
+    "tabs": ([line.replace(",", "\t") for line in [HEADER, *ROWS]], ("no comma", "commas expected")),
+    "decimal commas": ([HEADER, ROWS[0].replace(".", ",")], ("line 2: 10 columns found, expected are 7", "a point")),
     "no rows": ([HEADER], ("column names and no rows",)),
     "unknown column": ([HEADER + ",colour", *ROWS], ("column 'colour' is not known", "roll_deg_per_m")),
     "column twice": ([HEADER + ",roll_phase_deg", *ROWS], ("column roll_phase_deg stands there twice",)),

@@ -16,8 +16,8 @@ from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.ship.motion import GRAVITY
 from ssmash_gym.ship.response import Response
 from ssmash_gym.ship.response_file import ResponseGrid
-from ssmash_gym.ship.response_table import ResponseFile, ResponseTable, encounter, write_response_table
-from ssmash_gym.ship.sea import KNOT, Spectrum, Spreading
+from ssmash_gym.ship.response_table import ResponseFile, ResponseTable, write_response_table
+from ssmash_gym.ship.sea import KNOT, Spectrum, Spreading, encounter
 from ssmash_gym.ship.seaway import draw_seaway
 from ssmash_gym.ship.seaway_motion import SeawayMotion
 from ssmash_gym.ship.ships import load_ship

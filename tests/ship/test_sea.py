@@ -10,11 +10,14 @@ import pytest
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.sea import (
+    HIGHEST,
     SEA_STATES,
+    TP_RANGE_S,
     Spectrum,
     Spreading,
     check_steepness,
     comes_from_deg,
+    encounter,
     named_spectrum,
     period_of_height,
 )
@@ -95,8 +98,9 @@ def test_periods_of_other_heights_are_refused(height: object) -> None:
         (-0.1, 8.0, ("hs_m is -0.1", "0 m or more")),
         (math.nan, 8.0, ("hs_m is nan", "finite")),
         (1.0, math.inf, ("tp_s is inf", "finite")),
-        (0.1, 2.0, ("tp_s is 2", "3 to 25 s")),
-        (1.0, 26.0, ("tp_s is 26", "3 to 25 s")),
+        (0.1, 2.0, ("tp_s is 2", "5 to 25 s")),
+        (0.1, 4.9, ("tp_s is 4.9", "5 to 25 s", "2.4 rad/s")),
+        (1.0, 26.0, ("tp_s is 26", "5 to 25 s")),
     ],
 )
 def test_impossible_seas_cost_one_sentence(height: float, period: float, words: tuple[str, ...]) -> None:
@@ -112,6 +116,18 @@ def test_the_limit_of_steepness_is_allowed() -> None:
     check_steepness(limit * 64.0, 8.0)
     with pytest.raises(ConfigurationError, match="too steep"):
         check_steepness(1.001 * limit * 64.0, 8.0)
+
+
+def test_no_sea_that_is_allowed_has_much_energy_beyond_the_band() -> None:
+    for gamma in (1.0, 3.3):
+        sea = Spectrum(0.3, TP_RANGE_S[0], gamma)
+        assert sea.energy(0.0, HIGHEST) > 0.9 * sea.variance
+
+
+def test_encounter_is_slower_with_the_waves_and_faster_against_them() -> None:
+    found = encounter(np.array([0.6, 0.6, 1.4]), np.array([0.0, math.pi, 0.0]), 10.0)
+    np.testing.assert_allclose(found, [0.6 - 3.6 / 9.81, 0.6 + 3.6 / 9.81, 1.4 - 19.6 / 9.81])
+    assert found[2] < 0.0  # overtaken
 
 
 def test_unknown_names_are_refused() -> None:

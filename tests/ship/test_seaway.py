@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import json
 import math
 import os
 import subprocess
@@ -12,8 +13,9 @@ import sys
 import numpy as np
 import pytest
 
-from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.ship import Motion, MotionTable, Seaway, SeawayMotion, Spectrum, Spreading, draw_seaway, parse_motion
+from ssmash_gym.ship import seaway as seaway_module
 from ssmash_gym.ship.kinematics import rotation
 from ssmash_gym.ship.response import Response
 from ssmash_gym.ship.sea import KNOT
@@ -249,6 +251,7 @@ def test_the_section_builds_its_sea_and_comes_back() -> None:
     assert isinstance(motion.bake(5.0), MotionTable)
     assert len(motion.waves.omega) == 96
     assert motion.mean[3] == math.radians(2.0)
+    assert motion.elevation_rms_m == pytest.approx(3.3 / 4.0, rel=0.01)
     k = motion.waves.omega**2 / 9.81
     encounter = motion.waves.omega - k * 10.0 * KNOT * np.cos(motion.waves.heading)
     np.testing.assert_allclose(motion.response.omega_e, encounter, rtol=1e-12)
@@ -271,10 +274,46 @@ def test_a_described_ship_is_the_named_one() -> None:
     assert parse_motion(described.model_dump(mode="json")) == described
 
 
-def test_a_ship_file_is_taken_from_the_folder_of_the_configuration(tmp_path) -> None:
-    (tmp_path / "mine.yaml").write_text("base: frigate\n", encoding="utf-8")
-    with pytest.raises(ConfigurationError, match=r"other\.yaml"):
-        parse_motion({**SECTION, "ship": "other.yaml"}, folder=tmp_path)
+TABLE = ["speed_kn,heading_deg,omega_rad_s,heave_m_per_m,heave_phase_deg"]
+TABLE += [f"10,{heading},{omega},HEAVE,180" for heading in range(0, 360, 45) for omega in (0.1, 0.5, 1.0, 2.4)]
+TABLE_SHIP = {"name": "mine", "response": {"table": "rao.csv"}, "deck_point_m": [0.0, 0.0, 0.0]}
+
+
+def write_table(folder, heave: float) -> None:
+    folder.mkdir(exist_ok=True)
+    (folder / "rao.csv").write_text("\n".join(TABLE).replace("HEAVE", str(heave)), encoding="utf-8")
+
+
+def heave_of(ship, folder) -> float:
+    source = parse_motion({**SECTION, "ship": ship}, folder=folder)
+    return source.realise(np.random.default_rng(0)).deck.heave_m
+
+
+def test_the_files_of_a_ship_are_taken_from_the_folder_of_the_configuration(tmp_path) -> None:
+    """A ship's file, a table in a mapping and a mapping's base: none of them is where the tests run."""
+    write_table(tmp_path / "sub", 0.5)
+    (tmp_path / "sub" / "mine.yaml").write_text(json.dumps(TABLE_SHIP), encoding="utf-8")
+    ships = ("mine.yaml", TABLE_SHIP, {"base": "mine.yaml"})
+    found = [heave_of(ship, tmp_path / "sub") for ship in ships]
+    assert found[0] == pytest.approx(0.5 * math.sqrt(Spectrum(3.3, 9.7).variance), rel=0.02)
+    assert found[1] == found[2] == found[0]
+    for ship in ships:
+        with pytest.raises(ConfigurationError, match=r"mine\.yaml|rao\.csv"):
+            heave_of(ship, tmp_path)
+
+
+def test_a_changed_file_of_a_described_ship_is_read_again(tmp_path) -> None:
+    write_table(tmp_path, 0.5)
+    before = heave_of(TABLE_SHIP, tmp_path)
+    write_table(tmp_path, 0.25)
+    os.utime(tmp_path / "rao.csv", ns=(1, 1))
+    assert heave_of(TABLE_SHIP, tmp_path) == pytest.approx(0.5 * before, rel=1e-6)
+
+
+def test_too_few_waves_for_a_sea_are_told_of(monkeypatch) -> None:
+    monkeypatch.setattr(seaway_module, "LARGEST_MISS", 1e-9)
+    with pytest.warns(ConfigurationWarning, match=r"24 waves cannot have the sea's severity"):
+        sea(components=24)
 
 
 @pytest.mark.parametrize(
@@ -297,7 +336,12 @@ def test_a_ship_file_is_taken_from_the_folder_of_the_configuration(tmp_path) -> 
         ({"spectrum": "jonswap", "gamma": 9.0}, ("gamma is 9", "1 to 7")),
         ({"spreading": "cos4"}, ("motion.spreading", "'cos4'", "'cos2'")),
         ({"components": 4}, ("motion.components", "4", "24")),
-        ({"gm_factor": 0.0}, ("motion.gm_factor", "0.1")),
+        ({"gm_factor": 0.0}, ("motion.gm_factor", "0.5")),
+        ({"roll_damping_factor": 0.4}, ("motion.roll_damping_factor", "0.4", "0.5")),
+        ({"heading_deg": True}, ("motion.heading_deg", "True", "numbers")),
+        ({"heading_deg": 1e300}, ("motion.heading_deg", "1e+300", "720")),
+        ({"deck_shift_m": [1e9, 0.0, 0.0]}, ("motion.deck_shift_m", "500")),
+        ({"deck_shift_m": [0.0, True, 0.0]}, ("motion.deck_shift_m", "True", "numbers")),
         ({"roll_damping_factor": -1.0}, ("motion.roll_damping_factor", "-1")),
         ({"heel_deg": 40.0}, ("motion.heel_deg", "40", "30")),
         ({"deck_shift_m": [1.0, 2.0]}, ("motion.deck_shift_m",)),

@@ -21,9 +21,10 @@ from ssmash_gym.ship import (
     parse_motion,
     spectral_deck_rms,
 )
-from ssmash_gym.ship.sea import KNOT
+from ssmash_gym.ship.sea import KNOT, period_of_height
+from ssmash_gym.ship.seaway_statistics import linear_deck_rms
 from ssmash_gym.ship.ships import load_ship
-from ssmash_gym.ship.waves import Waves
+from ssmash_gym.ship.waves import Waves, sea_grid
 from tests.ship.box_ship import BoxShip
 
 JUDGED = ("roll_deg", "pitch_deg", "vertical_velocity_m_s", "vertical_acceleration_g", "lateral_specific_force_g")
@@ -47,6 +48,46 @@ def test_the_severity_comes_from_the_parameters_and_not_from_the_seed(ship: str,
     expected = values(spectral_deck_rms(*given))
     np.testing.assert_allclose(drawn, np.tile(expected, (4, 1)), rtol=0.03)
     assert np.all(np.std(drawn, axis=0, ddof=1) < 0.01 * np.mean(drawn, axis=0))
+
+
+def seas(count: int, seed: int, long_crested: float, damping: tuple[float, float], gm: tuple[float, float]):
+    """Seas of the training ranges: arguments of `draw_seaway` and, by name, the factors on the ship."""
+    r = np.random.default_rng(seed)
+    for _ in range(count):
+        height = r.uniform(0.5, 5.0)
+        spectrum = Spectrum(height, period_of_height(height) * r.uniform(0.85, 1.15), r.choice([1.0, 3.3]))
+        spreading = Spreading("long_crested" if r.random() < long_crested else "cos2")
+        given = (load_ship("frigate"), spectrum, spreading, r.uniform(0.0, 2.0 * math.pi), KNOT * r.uniform(0.0, 20.0))
+        yield given, {"roll_damping_factor": r.uniform(*damping), "gm_factor": r.uniform(*gm)}
+
+
+def of_the_grid(given, factors) -> np.ndarray:
+    """Severities of the grid's cells, taken as waves: what a draw is to have."""
+    ship, spectrum, spreading, heading, speed = given
+    grid = sea_grid(spectrum, spreading)
+    amplitude = np.sqrt(2.0 * grid.energy.ravel())
+    response = ship.response.respond(grid.omega.ravel(), heading + grid.angle.ravel(), amplitude, speed, **factors)
+    return values(linear_deck_rms(response.omega_e, response.transfer, amplitude, ship.deck_point_m, np.zeros(2)))
+
+
+@pytest.mark.parametrize(("components", "worst", "usual"), [(24, 0.03, 1e-3), (48, 0.015, 3e-4), (96, 0.005, 1e-4)])
+def test_every_sea_of_the_training_ranges_has_its_severity(components: int, worst: float, usual: float) -> None:
+    """Half of them long-crested, where few waves answer near resonance and the energies are hard to correct."""
+    missed = []
+    for seed, (given, factors) in enumerate(seas(150, components, 0.5, (0.7, 1.3), (0.85, 1.15))):
+        motion = draw_seaway(*given, np.random.default_rng(seed), components=components, **factors)
+        missed.append(np.max(np.abs(values(motion.deck) / of_the_grid(given, factors) - 1.0)))
+        # The waves stay many: none holds more of the elevation than a few of its kind.
+        assert np.max(motion.waves.amplitude**2) < 0.5 * np.sum(motion.waves.amplitude**2)
+    assert np.max(missed) < worst
+    assert np.median(missed) < usual
+
+
+@pytest.mark.parametrize(("damping", "worst"), [((0.5, 0.5), 0.05), ((0.7, 1.3), 0.03), ((2.0, 2.0), 0.02)])
+def test_the_grid_is_the_spectral_integral_over_the_range_of_factors(damping, worst: float) -> None:
+    for given, factors in seas(12, 5, 0.0, damping, (0.5, 2.0)):
+        exact = values(spectral_deck_rms(*given, frequencies=300, directions=80, **factors))
+        np.testing.assert_allclose(of_the_grid(given, factors), exact, rtol=worst)
 
 
 @pytest.mark.parametrize("components", [24, 96, 256])
@@ -93,8 +134,11 @@ def test_the_spectral_integral_of_a_ship_that_follows_the_sea() -> None:
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0), (0.08, -0.04)])
 def test_the_long_run_is_what_long_records_show(angles: tuple[float, float]) -> None:
-    """Linear severity from the waves against the sampled motion, specific force and all, in a low sea."""
-    drawn = draw_seaway(BoxShip(), Spectrum(0.5, 9.0), Spreading(), 1.2, 5.0, np.random.default_rng(4), components=24)
+    """Linear severity from the waves against the sampled motion, specific force and all, in a low sea.
+
+    No two of these waves meet the ship at frequencies so alike that they beat for longer than the record.
+    """
+    drawn = draw_seaway(BoxShip(), Spectrum(0.5, 9.0), Spreading(), 1.2, 5.0, np.random.default_rng(6), components=24)
     motion = SeawayMotion(drawn.waves, drawn.response, [-45.0, 3.0, -6.0], angles)
     long, exact = Motion.deck_rms(motion, 12_000.0), motion.deck
     for key in (*JUDGED, "heave_m", "lateral_acceleration_g", "roll_period_s"):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
+from ssmash_gym.analysis.reference_figures import REFERENCE, REFERENCE_HEADINGS, REFERENCE_SEVERITIES
 from ssmash_gym.assets import asset_path
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.hull import DATA
@@ -86,25 +87,33 @@ def test_destroyer_is_the_frigate_scaled() -> None:
     )
 
 
-# Roll, pitch [deg], vertical velocity of the deck [m/s], lateral specific force [g], RMS: a prototype of this model on
-# another panelling of a like hull, sampled (3 to 4 % scatter).
-REFERENCE = {
-    (5, 10.0, 90.0): (3.26, 0.77, 0.59, 0.083),
-    (5, 10.0, 45.0): (3.05, 0.68, 0.40, 0.071),
-    (5, 18.0, 180.0): (0.59, 1.04, 0.68, 0.033),
-    (4, 18.0, 90.0): (1.43, 0.45, 0.39, 0.039),
-    (6, 10.0, 90.0): (4.38, 1.04, 0.79, 0.102),
-    (6, 18.0, 135.0): (2.28, 1.42, 0.99, 0.070),
+# Ratios to the reference figures beyond 15 %: sea state, speed [kn], heading [deg] and severity, with the ratio.
+BEYOND = {
+    (4, 10, 45, "vertical_acceleration_g"): 1.16,
+    (4, 10, 180, "roll_deg"): 1.18,
+    (4, 18, 0, "vertical_acceleration_g"): 1.24,
+    (5, 10, 135, "roll_deg"): 1.20,
+    (5, 18, 0, "pitch_deg"): 1.16,
+    (5, 18, 0, "vertical_velocity_m_s"): 1.16,
+    (5, 18, 0, "vertical_acceleration_g"): 1.21,
+    (6, 10, 135, "roll_deg"): 1.15,
+    (6, 18, 0, "roll_deg"): 0.83,
 }
 
 
-@pytest.mark.parametrize(("state", "knots", "heading_deg"), REFERENCE)
-def test_level_of_the_motion(state: int, knots: float, heading_deg: float) -> None:
-    height, period = SEA_STATES[state]
-    sea = Spectrum(height, period), Spreading("cos2")
-    rms = spectral_deck_rms(load_ship("frigate"), *sea, math.radians(heading_deg), knots * KNOT)
-    found = (rms.roll_deg, rms.pitch_deg, rms.vertical_velocity_m_s, rms.lateral_specific_force_g)
-    assert found == pytest.approx(REFERENCE[state, knots, heading_deg], rel=0.15)
+@pytest.mark.parametrize(("state", "knots"), REFERENCE)
+def test_level_of_the_motion(state: int, knots: int) -> None:
+    """All cells of the prototype, all severities: within 15 % but for those that are listed, which have their ratio."""
+    sea = Spectrum(*SEA_STATES[state]), Spreading("cos2")
+    for heading_deg, figures in zip(REFERENCE_HEADINGS, REFERENCE[state, knots], strict=True):
+        rms = spectral_deck_rms(load_ship("frigate"), *sea, math.radians(heading_deg), knots * KNOT)
+        for key, figure in zip(REFERENCE_SEVERITIES, figures, strict=True):
+            place = (state, knots, heading_deg, key)
+            ratio = getattr(rms, key) / figure
+            if place in BEYOND:
+                assert ratio == pytest.approx(BEYOND[place], abs=0.01), place
+            else:
+                assert ratio == pytest.approx(1.0, abs=0.15), place
 
 
 def test_more_roll_damping_and_less_speed_work_as_they_must() -> None:
@@ -169,6 +178,65 @@ def test_paths_are_taken_from_the_ships_folder(tmp_path: Path) -> None:
     assert hull_of(load_ship(tmp_path / "own.yaml")).mass_kg == hull_of(load_ship("frigate")).mass_kg
 
 
+def write(path: Path, document: dict[str, Any]) -> Path:
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(yaml.safe_dump(document), encoding="utf-8")
+    return path
+
+
+def test_a_ships_file_may_change_another_ship(tmp_path: Path) -> None:
+    """Bases of bases, each path from its own file's folder; the same ship as with the changes in a mapping."""
+    first = write(tmp_path / "first.yaml", {"base": "frigate", "kg_m": 6.0, "roll_damping": {"z0": 0.05}})
+    second = write(tmp_path / "sub" / "second.yaml", {"base": "../first.yaml", "deck_point_m": [-50.0, 0.0, -5.5]})
+    ship = load_ship(second)
+    same = {"base": "frigate", "kg_m": 6.0, "roll_damping": {"z0": 0.05}, "deck_point_m": [-50.0, 0.0, -5.5]}
+    assert ship.description == load_ship(same).description
+    assert ship.deck_point_m.tolist() == [-50.0, 0.0, -5.5] and hull_of(ship).loading.kg_m == 6.0
+    assert load_ship(second) is ship
+    write(first, {"base": "frigate", "kg_m": 5.9})
+    assert hull_of(load_ship(second)).loading.kg_m == 5.9  # read anew
+    shutil.copy(DATA / "frigate.npz", tmp_path / "own.npz")
+    write(first, {"base": "frigate", "hull": {"database": "own.npz"}})
+    assert load_ship(second).description.hull.database == str(tmp_path / "own.npz")  # type: ignore[union-attr]
+
+
+def test_a_changed_ship_says_what_was_changed(tmp_path: Path) -> None:
+    assert load_ship("frigate").label == "frigate"
+    changes = {"kg_m": {"value": 6.0, "origin": "assumed"}, "roll_damping": {"z0": 0.05}, "description": "stiffer"}
+    file = write(tmp_path / "stiff.yaml", {"base": "frigate", **changes})
+    ship = load_ship(file)
+    assert (ship.name, ship.label) == ("frigate", "frigate, changed: kg_m, roll_damping.z0")
+    assert ship.summary().startswith(f"{ship.label}\n")
+    further = {"base": str(file), "gm_m": 1.0, "deck_point_m": [-50.0, 0.0, -5.5]}
+    assert load_ship(further).label == "frigate, changed: roll_damping.z0, gm_m, deck_point_m"
+    assert load_ship({**further, "name": "mine"}).label == "mine"
+    named = write(tmp_path / "named.yaml", {"base": "frigate", "name": "stiff", **changes})
+    assert load_ship(named).label == "stiff"
+    assert load_ship({"base": str(named), "hull": {"scale": 1.2}}).label == "stiff, changed: hull.scale"
+
+
+def test_bases_must_not_go_in_a_circle(tmp_path: Path) -> None:
+    one = write(tmp_path / "one.yaml", {"base": "two.yaml", "kg_m": 6.0})
+    write(tmp_path / "two.yaml", {"base": "one.yaml", "kg_m": 6.1})
+    itself = write(tmp_path / "itself.yaml", {"base": "itself.yaml"})
+    for given in (one, {"base": str(one)}):
+        with pytest.raises(ConfigurationError, match=r"circle, one.yaml on two.yaml on one.yaml\.$"):
+            load_ship(given)
+    with pytest.raises(ConfigurationError, match=r"circle, itself.yaml on itself.yaml\.$"):
+        load_ship(itself)
+
+
+def test_a_mistake_in_a_changed_ships_file_names_the_file(tmp_path: Path) -> None:
+    for document, words in (
+        ({"base": "corvette"}, r"own\.yaml: base: there is none called 'corvette': give one of destroyer"),
+        ({"base": ["frigate"]}, r"own\.yaml: base = \['frigate'\] is refused: give the name or the file"),
+        ({"base": "gone.yaml"}, r"gone\.yaml: there is no such ship file"),
+        ({"base": "frigate", "kg_m": -1.0}, r"own\.yaml: kg_m = -1.0 is refused"),
+    ):
+        with pytest.raises(ConfigurationError, match=words):
+            load_ship(write(tmp_path / "own.yaml", document))
+
+
 def test_a_table_of_responses_makes_a_ship(tmp_path: Path) -> None:
     rows = ["speed_kn,heading_deg,omega_rad_s,heave_m_per_m,heave_phase_deg,roll_deg_per_m,roll_phase_deg"]
     for heading in range(0, 360, 30):
@@ -194,6 +262,7 @@ def test_a_table_of_responses_makes_a_ship(tmp_path: Path) -> None:
         ("nowhere.yaml", r"nowhere\.yaml: there is no such ship file"),
         (7, r"ships: 7 is refused: give a name"),
         ({"base": "corvette"}, r"none called 'corvette'"),
+        ({"base": 7}, r"ship: base = 7 is refused: give the name or the file"),
         ({"base": "frigate", "kg_m": -1.0}, r"frigate with changes: kg_m = -1.0 is refused: .*greater than 0"),
         ({"base": "frigate", "kg_m": 9.0}, r"ship frigate: hull frigate: kg_m is 9, allowed is less than 7\.38 m"),
         ({"base": "frigate", "kg_m": 6.0, "gm_m": 1.0}, r"either kg_m or gm_m"),

@@ -9,7 +9,7 @@ import pytest
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.sea import HIGHEST, LOWEST, Spectrum, Spreading
-from ssmash_gym.ship.waves import calibrated, draw_waves, sea_grid
+from ssmash_gym.ship.waves import DIRECTIONS, FREQUENCIES, LARGEST_FACTOR, calibrated, draw_waves, sea_grid
 
 SEA = Spectrum(3.3, 9.7)
 
@@ -20,7 +20,7 @@ def test_the_grid_holds_the_energy_of_the_sea(spectrum: Spectrum, spreading: str
     grid = sea_grid(spectrum, Spreading(spreading))
     band = spectrum.energy(LOWEST * spectrum.peak, HIGHEST)
     assert grid.energy.sum() == pytest.approx(band, rel=1e-12)
-    assert grid.energy.size == 400
+    assert grid.energy.size == FREQUENCIES * DIRECTIONS
     omega = np.linspace(LOWEST * spectrum.peak, HIGHEST, 20_001)
     for power in (1, 2, 4):
         moment = np.trapezoid(spectrum.density(omega) * omega**power, omega)
@@ -112,25 +112,48 @@ def test_a_flat_sea_has_waves_without_height() -> None:
     assert np.isfinite(waves.omega).all()
 
 
+def met(energy: np.ndarray, powers: np.ndarray) -> np.ndarray:
+    """Sums over the waves."""
+    return np.sum(energy[:, np.newaxis] * powers, axis=0)
+
+
 def test_calibrated_energies_meet_the_sums_and_stay_close() -> None:
     rng = np.random.default_rng(3)
     energy = rng.uniform(0.5, 1.5, 96)
     powers = np.stack([np.ones(96), rng.random(96), rng.random(96) ** 4], axis=1)
-    targets = np.sum(energy[:, np.newaxis] * powers, axis=0) * np.array([1.0, 1.05, 0.85])
-    corrected = calibrated(energy, powers, targets)
-    np.testing.assert_allclose(np.sum(corrected[:, np.newaxis] * powers, axis=0), targets, rtol=1e-4)
+    targets = met(energy, powers) * np.array([1.0, 1.05, 0.85])
+    corrected, error = calibrated(energy, powers, targets)
+    np.testing.assert_allclose(met(corrected, powers), targets, rtol=1e-3)
+    assert error == pytest.approx(np.max(np.abs(met(corrected, powers) / targets - 1.0)))
     assert np.all(corrected > 0.0)
     assert np.max(np.abs(np.log(corrected / energy))) < 0.7
-    np.testing.assert_array_equal(calibrated(corrected, powers, targets), corrected)
+    same, _ = calibrated(energy, powers, met(energy, powers))
+    np.testing.assert_allclose(same, energy, rtol=1e-4)  # what fits is left alone
 
 
 def test_calibration_survives_severities_that_say_the_same() -> None:
     energy = np.random.default_rng(0).uniform(0.5, 1.5, 50)
     one = np.linspace(0.1, 1.0, 50)
     powers = np.stack([one, one * (1.0 + 1e-9), np.ones(50)], axis=1)
-    targets = np.sum(energy[:, np.newaxis] * powers, axis=0) * 1.1
-    corrected = calibrated(energy, powers, targets)
-    np.testing.assert_allclose(np.sum(corrected[:, np.newaxis] * powers, axis=0), targets, rtol=1e-4)
+    targets = met(energy, powers) * 1.1
+    corrected, _ = calibrated(energy, powers, targets)
+    np.testing.assert_allclose(met(corrected, powers), targets, rtol=1e-3)
+
+
+@pytest.mark.parametrize("wanted", [0.3, 0.0999, 4.0])
+def test_sums_that_no_energies_have_are_approached_and_no_wave_runs_away(wanted: float) -> None:
+    """The mean of powers from 0.1 to 1 cannot be less, nor more, nor can five times the energy be got from all."""
+    energy, powers = np.full(30, 1.0 / 30.0), np.stack([np.ones(30), np.linspace(0.1, 1.0, 30) ** 2], axis=1)
+    powers[:, 1] = np.maximum(powers[:, 1], 0.1)
+    targets = np.array([1.0, wanted])
+    corrected, error = calibrated(energy, powers, targets)
+    assert np.isfinite(corrected).all() and np.all(corrected >= 0.0)
+    assert np.all(corrected <= LARGEST_FACTOR * energy * (1.0 + 1e-12))
+    before = np.max(np.abs(met(energy, powers) / targets - 1.0))
+    assert error < before
+    assert (error < 1e-3) == (wanted == 0.3)
+    again, _ = calibrated(energy, powers, targets)
+    np.testing.assert_array_equal(again, corrected)
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
