@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -276,14 +275,14 @@ def write_spectra_and_picture(
         write_spectra(staged[files.spectra], long_run, comments)
     if files.plot is not None:
         words = (title(source), subtitle(source, motion, remarks), caption(record, long_run, seed))
-        draw_picture(staged[files.plot], record, long_run, known_rms(source, motion), words, metadata(comments))
+        draw_picture(staged[files.plot], record, long_run, known_rms(motion), words, metadata(comments))
 
 
-def known_rms(source: Any, motion: Motion) -> dict[str, float]:
+def known_rms(motion: Motion) -> dict[str, float]:
     """Long-run RMS of a seaway's deck and of its sea, in the units of the record; empty for other motions."""
-    if not isinstance(source, Seaway):
+    if not isinstance(motion, SeawayMotion):
         return {}
-    return {**asdict(motion.deck_rms()), "elevation": math.sqrt(source.sea().variance)}
+    return {**asdict(motion.deck_rms()), "elevation": motion.elevation_rms_m}
 
 
 def metadata(comments: Sequence[str]) -> dict[str, str]:

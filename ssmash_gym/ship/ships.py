@@ -22,11 +22,11 @@ from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.response import Guards, HullResponse, Loading, ShipResponse
 from ssmash_gym.ship.response_table import ResponseFile
 from ssmash_gym.ship.roll_damping import RollDamping
+from ssmash_gym.ship.sea import KNOT
 from ssmash_gym.vehicle.description import Mark
 from ssmash_gym.vehicle.document import read_yaml, split
 from ssmash_gym.vehicle.fields import Part, Positive, Vector, refuse
 
-KNOT: Final = 1852.0 / 3600.0  # [m/s]
 BASE_KEY: Final = "base"  # in a file or a mapping: the name or file of the ship that it changes
 FILES: Final = (".yaml", ".yml")
 SUMMARY_SPEEDS_KN: Final = (0.0, 10.0, 18.0)
@@ -173,13 +173,15 @@ def from_folder(description: Mapping[str, Any], folder: str | Path) -> dict[str,
 
 
 def _ship_of(description: ShipDescription, changed: tuple[str, ...]) -> Ship:
-    """The ship that a description stands for; built anew when its table's file has changed."""
-    table = None if description.response is None else description.response.table
-    return _built(description, changed, table.stat().st_mtime_ns if table is not None and table.is_file() else 0)
+    """The ship that a description stands for; built anew when the file of its table or hull has changed."""
+    file = Path(description.hull.database) if description.hull is not None else None
+    if description.response is not None:
+        file = description.response.table
+    return _built(description, changed, file.stat().st_mtime_ns if file is not None and file.is_file() else 0)
 
 
 @functools.lru_cache(maxsize=32)
-def _built(description: ShipDescription, changed: tuple[str, ...], _time: int) -> Ship:
+def _built(description: ShipDescription, changed: tuple[str, ...], time: int) -> Ship:
     """The ship that a description stands for."""
     point = np.array(description.deck_point_m)
     point.flags.writeable = False
@@ -187,7 +189,7 @@ def _built(description: ShipDescription, changed: tuple[str, ...], _time: int) -
         return Ship(description, description.response.read(), point, changed)
     gyration, damping = description.gyration, description.roll_damping
     assert description.hull is not None and gyration is not None and damping is not None  # validated
-    hull = _hull(description.hull.database, description.hull.scale)
+    hull = _hull(description.hull.database, description.hull.scale, time)
     height = _height_of_G(description, hull)
     radii = (
         gyration.roll_over_beam * hull.beam_m,
@@ -202,7 +204,7 @@ def _built(description: ShipDescription, changed: tuple[str, ...], _time: int) -
 
 
 @functools.lru_cache(maxsize=8)
-def _hull(database: str, scale: float) -> HullDatabase:
+def _hull(database: str, scale: float, _time: int) -> HullDatabase:
     hull = load_hull(database)
     return hull if scale == 1.0 else hull.scaled(scale)
 
