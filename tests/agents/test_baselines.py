@@ -99,7 +99,7 @@ def test_yielding_gives_way_to_the_load_and_goes_back_to_the_line() -> None:
 
 
 def test_yielding_is_limited_to_what_can_be_commanded() -> None:
-    given = commands("yield", TASK, observations(TASK, probe_fy=[5e4, -5e4]), 1)[0]
+    given = commands("yield", TASK, observations(TASK, probe_fy=[5e4, -5e4], claw_y=[0.2, -0.2]), 1)[0]
     np.testing.assert_array_equal(given[:, 1], [-1.0, 1.0])
 
 
