@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import DEFAULT_SPACING_S, TIME_SLACK, hermite, positive, smootherstep
+from ssmash_gym.ship.motion import DEFAULT_SPACING_S, TIME_SLACK, NodeTable, positive, smootherstep
 
 HEIGHT_M: Final = 10.0  # assumed: where a helicopter on a frigate's flight deck meets the wind, above the sea
 LENGTH_OVER_HEIGHT: Final = 8.1 * 0.7  # Kaimal length scale over height, IEC 61400-1, below 60 m
@@ -153,40 +153,11 @@ def band_share(mean_mps: float, height_m: float = HEIGHT_M) -> float:
     return float(high - low)
 
 
-@dataclass(frozen=True, eq=False)
-class GustTable:
-    """Nodes of the gust speed along the true wind; node k stands at ``t = k * spacing_s``.
+class GustTable(NodeTable):
+    """Nodes of the gust speed along the true wind (n_nodes, 3): speed [m/s], rate [m/s2] and acceleration [m/s3]."""
 
-    Attributes:
-        spacing_s: Time between nodes [s].
-        nodes: Read-only float64 (n_nodes, 3): speed [m/s], its rate [m/s2] and acceleration [m/s3].
-
-    Raises:
-        ConfigurationError: The spacing is not positive, or the nodes are not finite numbers of that shape.
-    """
-
-    spacing_s: float
-    nodes: FloatArray
-
-    def __post_init__(self) -> None:
-        nodes = np.array(self.nodes, dtype=np.float64, order="C")
-        if nodes.ndim != 2 or nodes.shape[0] < 2 or nodes.shape[1] != 3:
-            raise ConfigurationError(f"gust table: nodes has shape {nodes.shape}, allowed is (2 or more, 3)")
-        if not np.isfinite(nodes).all():
-            row = int(np.argwhere(~np.isfinite(nodes))[0, 0])
-            raise ConfigurationError(f"gust table: node {row} holds a value that is not finite")
-        nodes.flags.writeable = False
-        object.__setattr__(self, "spacing_s", positive("gust table", "spacing_s", self.spacing_s))
-        object.__setattr__(self, "nodes", nodes)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # NumPy forgets the read-only flag when an array is pickled or copied: build the table anew instead.
-        return (GustTable, (self.spacing_s, self.nodes))
-
-    @property
-    def duration_s(self) -> float:
-        """Time of the last node [s]."""
-        return (len(self.nodes) - 1) * self.spacing_s
+    NAME = "gust table"
+    CHANNEL_COUNT = 1
 
     def at(self, t: npt.ArrayLike) -> FloatArray:
         """Speed [m/s], rate [m/s2] and acceleration [m/s3] at times `t` [s] in [0, duration_s], (n,): (n, 3).
@@ -194,15 +165,7 @@ class GustTable:
         Raises:
             ConfigurationError: A time outside the table.
         """
-        time, h = np.asarray(t, dtype=np.float64), self.spacing_s
-        slack = TIME_SLACK * h
-        outside = ~((time >= -slack) & (time <= self.duration_s + slack))
-        if outside.any():
-            bad = float(time[outside].flat[0])
-            raise ConfigurationError(f"gust table: time {bad:g} s is outside the table, 0 to {self.duration_s:g} s")
-        piece = np.clip(np.floor(time / h).astype(np.int64), 0, len(self.nodes) - 2)
-        pieces = hermite(self.nodes[piece], self.nodes[piece + 1], h, (time - piece * h)[..., np.newaxis])
-        return np.concatenate(pieces, axis=-1)
+        return np.concatenate(self.interpolated(t), axis=-1)
 
 
 def finite(where: str, key: str, value: float) -> float:

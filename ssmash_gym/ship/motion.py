@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, ClassVar, Final, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -87,42 +87,68 @@ def pose_of(signal: Signal) -> DeckPose:
 
 
 @dataclass(frozen=True, eq=False)
-class MotionTable:
-    """Nodes of a deck motion; node k stands at ``t = k * spacing_s``.
+class NodeTable:
+    """Nodes of some channels with their two derivatives; node k stands at ``t = k * spacing_s``.
 
     Attributes:
         spacing_s: Time between nodes [s].
-        nodes: Read-only float64 (n_nodes, 18): the six channels of `CHANNELS`, then their first, then their second
-            time derivatives (m, rad, s).
+        nodes: Read-only float64 (n_nodes, 3 * CHANNEL_COUNT): the channels, then their first, then their second time
+            derivatives.
 
     Raises:
         ConfigurationError: The spacing is not positive, or the nodes are not finite numbers of that shape.
     """
+
+    NAME: ClassVar[str]
+    CHANNEL_COUNT: ClassVar[int]
 
     spacing_s: float
     nodes: FloatArray
 
     def __post_init__(self) -> None:
         nodes = np.array(self.nodes, dtype=np.float64, order="C")
-        if nodes.ndim != 2 or nodes.shape[0] < 2 or nodes.shape[1] != 3 * N_CHANNELS:
+        if nodes.ndim != 2 or nodes.shape[0] < 2 or nodes.shape[1] != 3 * self.CHANNEL_COUNT:
             raise ConfigurationError(
-                f"motion table: nodes has shape {nodes.shape}, allowed is (2 or more, {3 * N_CHANNELS})"
+                f"{self.NAME}: nodes has shape {nodes.shape}, allowed is (2 or more, {3 * self.CHANNEL_COUNT})"
             )
         if not np.isfinite(nodes).all():
             row = int(np.argwhere(~np.isfinite(nodes))[0, 0])
-            raise ConfigurationError(f"motion table: node {row} holds a value that is not finite")
+            raise ConfigurationError(f"{self.NAME}: node {row} holds a value that is not finite")
         nodes.flags.writeable = False
-        object.__setattr__(self, "spacing_s", positive("motion table", "spacing_s", self.spacing_s))
+        object.__setattr__(self, "spacing_s", positive(self.NAME, "spacing_s", self.spacing_s))
         object.__setattr__(self, "nodes", nodes)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # NumPy forgets the read-only flag when an array is pickled or copied: build the table anew instead.
-        return (MotionTable, (self.spacing_s, self.nodes))
+        return (type(self), (self.spacing_s, self.nodes))
 
     @property
     def duration_s(self) -> float:
         """Time of the last node [s]."""
         return (len(self.nodes) - 1) * self.spacing_s
+
+    def interpolated(self, t: npt.ArrayLike) -> Signal:
+        """Channels and their two derivatives at times `t` [s] in [0, duration_s], (...): three (..., CHANNEL_COUNT).
+
+        Raises:
+            ConfigurationError: A time outside the table.
+        """
+        time = np.asarray(t, dtype=np.float64)
+        h = self.spacing_s
+        slack = TIME_SLACK * h
+        outside = ~((time >= -slack) & (time <= self.duration_s + slack))
+        if outside.any():
+            bad = float(time[outside].flat[0])
+            raise ConfigurationError(f"{self.NAME}: time {bad:g} s is outside the table, 0 to {self.duration_s:g} s")
+        piece = np.clip(np.floor(time / h).astype(np.int64), 0, len(self.nodes) - 2)
+        return hermite(self.nodes[piece], self.nodes[piece + 1], h, (time - piece * h)[..., np.newaxis])
+
+
+class MotionTable(NodeTable):
+    """Nodes of a deck motion: the six channels of `CHANNELS` [m, rad], nodes (n_nodes, 18)."""
+
+    NAME = "motion table"
+    CHANNEL_COUNT = N_CHANNELS
 
     def at(self, t: npt.ArrayLike) -> Signal:
         """Position, rate and acceleration of the six channels.
@@ -136,15 +162,7 @@ class MotionTable:
         Raises:
             ConfigurationError: A time outside the table.
         """
-        time = np.asarray(t, dtype=np.float64)
-        h = self.spacing_s
-        slack = TIME_SLACK * h
-        outside = ~((time >= -slack) & (time <= self.duration_s + slack))
-        if outside.any():
-            bad = float(time[outside].flat[0])
-            raise ConfigurationError(f"motion table: time {bad:g} s is outside the table, 0 to {self.duration_s:g} s")
-        piece = np.clip(np.floor(time / h).astype(np.int64), 0, len(self.nodes) - 2)
-        return hermite(self.nodes[piece], self.nodes[piece + 1], h, (time - piece * h)[..., np.newaxis])
+        return self.interpolated(t)
 
     def pose(self, t: npt.ArrayLike) -> DeckPose:
         """Attitude, angular velocity and linear motion of the ship frame at times `t` [s], shape (...)."""
