@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 
 class ConfigurationError(ValueError):
     """A configuration is refused; the message is one sentence with the file, the key, the value and what is allowed."""
@@ -27,3 +29,15 @@ def shown(value: object, limit: int = 80) -> str:
     """Write a value as it goes into a message: short, and with strings in quotes."""
     text = repr(value)
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def require(library: str, sentence: str) -> None:
+    """Check that an optional library is there.
+
+    Raises:
+        ImportError: It is missing; `sentence` names the extra that brings it.
+    """
+    try:
+        import_module(library)
+    except ImportError:
+        raise ImportError(sentence) from None

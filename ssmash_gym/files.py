@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 
@@ -30,4 +30,20 @@ def whole_file(path: str | Path) -> Iterator[Path]:
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file whole or not at all."""
     with whole_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+@contextmanager
+def whole_files(targets: Iterable[Path]) -> Iterator[dict[Path, Path]]:
+    """Places beside several files; all take their files' places when the block ends well, none when it does not."""
+    with ExitStack() as stack:
+        folders: dict[Path, Path] = {}
+        staged = {}
+        for target in targets:
+            if target.parent not in folders:
+                folder = tempfile.TemporaryDirectory(prefix=".ssmash-", dir=target.parent)
+                folders[target.parent] = Path(stack.enter_context(folder))
+            staged[target] = folders[target.parent] / target.name
+        yield staged
+        for target, place in staged.items():
+            place.replace(target)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import inspect
 import json
-import tempfile
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -18,7 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ssmash_gym import __version__
-from ssmash_gym.analysis.motion_picture import draw_picture, require_matplotlib
+from ssmash_gym.analysis.motion_picture import NEEDS_MATPLOTLIB, draw_picture
 from ssmash_gym.analysis.motion_record import Record, long_run_spectra, sample_record, write_spectra
 from ssmash_gym.analysis.motion_report import caption, ship_label, show, subtitle, title
 from ssmash_gym.analysis.motion_request import (
@@ -33,7 +32,8 @@ from ssmash_gym.analysis.motion_request import (
     repetition,
     wind_words,
 )
-from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
+from ssmash_gym.errors import ConfigurationError, ConfigurationWarning, require
+from ssmash_gym.files import whole_files
 from ssmash_gym.ship.config import parse_motion
 from ssmash_gym.ship.motion import Motion
 from ssmash_gym.ship.sea import SEA_STATES, SpectrumName, SpreadingName
@@ -106,7 +106,7 @@ def ship_motion(
         "speed_kn": speed_kn, "spectrum": spectrum, "spreading": spreading, "components": components,
     }  # fmt: skip
     if plot is not None:
-        require_matplotlib()
+        require("matplotlib", NEEDS_MATPLOTLIB)
     if seed < 0:
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
     intensity = checked_gusts(wind, gusts)
@@ -120,7 +120,7 @@ def ship_motion(
     over_deck = companion_wind(source, intensity, seed) if wind else None
     comments = about(source, motion, seed, remarks) + ([wind_words(source, intensity)] if wind else [])
     console = Console()
-    with all_or_nothing(files.named.values()) as staged, progress_bar(length_s / step_s) as advance:
+    with whole_files(files.named.values()) as staged, progress_bar(length_s / step_s) as advance:
         record = sample_record(motion, length_s, step_s, lambda share: advance(0.4 * share))
         write_shipmo(
             staged[out], motion, step_s, length_s, rates=rates,
@@ -190,22 +190,6 @@ def _option(key: str) -> str:
 
 
 # --- writing --------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def all_or_nothing(targets: Iterable[Path]) -> Iterator[dict[Path, Path]]:
-    """Places beside several files; all take their files' places when the block ends well, none when it does not."""
-    with ExitStack() as stack:
-        folders: dict[Path, Path] = {}
-        staged = {}
-        for target in targets:
-            if target.parent not in folders:
-                folder = tempfile.TemporaryDirectory(prefix=".ssmash-", dir=target.parent)
-                folders[target.parent] = Path(stack.enter_context(folder))
-            staged[target] = folders[target.parent] / target.name
-        yield staged
-        for target, place in staged.items():
-            place.replace(target)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ssmash_gym.analysis.motion_record import QUANTITIES, Record, Spectra, record_spectrum
+from ssmash_gym.errors import require
 from ssmash_gym.ship.kinematics import FloatArray
 
 if TYPE_CHECKING:
@@ -32,18 +33,7 @@ DPI: Final = 100
 COLOURS: Final = 128
 HIGHEST_RADPS: Final = 2.0  # a ship of a hundred metres does not answer faster waves
 QUIET: Final = "0.45"  # grey of what is not data
-
-
-def require_matplotlib() -> None:
-    """Check that pictures can be made.
-
-    Raises:
-        ImportError: Matplotlib is missing; the sentence names the extra.
-    """
-    try:
-        __import__("matplotlib")
-    except ImportError:
-        raise ImportError('--plot needs Matplotlib: pip install "ssmash_gym[plot]".') from None
+NEEDS_MATPLOTLIB: Final = '--plot needs Matplotlib: pip install "ssmash_gym[plot]".'
 
 
 def window_about_worst(record: Record) -> slice:
@@ -79,7 +69,7 @@ def draw_picture(
     Raises:
         ImportError: Matplotlib is missing.
     """
-    require_matplotlib()
+    require("matplotlib", NEEDS_MATPLOTLIB)
     from matplotlib.figure import Figure
 
     rows = _rows(record)

@@ -9,10 +9,10 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import read_yaml
 from ssmash_gym.envs.ranges import RANGE_KEYS
 from ssmash_gym.errors import ConfigurationError, shown
 from ssmash_gym.ship.ships import from_folder
-from ssmash_gym.vehicle.document import read_yaml
 
 Model = TypeVar("Model", bound=BaseModel)
 BASE_KEY: Final = "base"  # in a mapping: the name or file that it changes

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ssmash_gym.envs.scenario import ScenarioConfig
+from ssmash_gym.errors import require
 from ssmash_gym.evaluation.policies import Policy
 from ssmash_gym.files import whole_file
 
@@ -19,10 +20,7 @@ def require_rendering() -> None:
         ImportError: A library is missing; the sentence names the extra.
     """
     for name in ("pygame", "imageio_ffmpeg"):
-        try:
-            __import__(name)
-        except ImportError:
-            raise ImportError(f'a film needs {name}: pip install "ssmash_gym[render]", or say --no-film.') from None
+        require(name, f'a film needs {name}: pip install "ssmash_gym[render]", or say --no-film.')
 
 
 def film_episode(

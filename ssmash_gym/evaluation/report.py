@@ -10,6 +10,7 @@ import numpy as np
 import polars as pl
 from rich.table import Table
 
+from ssmash_gym.errors import require
 from ssmash_gym.evaluation.summary import FEWEST, numbers
 from ssmash_gym.files import whole_file
 
@@ -104,10 +105,7 @@ def require_matplotlib() -> None:
     Raises:
         ImportError: Matplotlib is missing; the sentence names the extra.
     """
-    try:
-        __import__("matplotlib")
-    except ImportError:
-        raise ImportError('plots need Matplotlib: pip install "ssmash_gym[plot]", or say --no-plots.') from None
+    require("matplotlib", 'plots need Matplotlib: pip install "ssmash_gym[plot]", or say --no-plots.')
 
 
 def plot_peaks(episodes: Mapping[str, pl.DataFrame], limit_kN: float, path: Path, title: str = "") -> None:

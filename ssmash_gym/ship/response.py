@@ -27,6 +27,7 @@ import numpy as np
 from pydantic import Field
 
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
+from ssmash_gym.fields import NonNegative, Part, Positive
 from ssmash_gym.ship.cramer import ComplexArray as ComplexArray
 from ssmash_gym.ship.cramer import determinant, solve3
 from ssmash_gym.ship.hull import TRIOS, HullDatabase
@@ -34,7 +35,6 @@ from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.response_input import checked, checked_waves
 from ssmash_gym.ship.roll_damping import RollDamping, critical_damping, linearised
 from ssmash_gym.ship.sea import encounter
-from ssmash_gym.vehicle.fields import NonNegative, Part, Positive
 
 ROLL: Final = 3
 UNRESTORED: Final = (0, 1, 5)  # surge, sway, yaw: no restoring force but the soft restraint

@@ -18,13 +18,13 @@ import numpy.typing as npt
 from pydantic import Field, ValidationInfo, field_validator
 
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning, shown
+from ssmash_gym.fields import Part
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.response import TO_PACKAGE, ComplexArray, Response, ShipResponse
 from ssmash_gym.ship.response_file import GRID, HEADINGS_DEG, ResponseGrid, read_grid, write_grid
 from ssmash_gym.ship.response_input import checked_waves
 from ssmash_gym.ship.sea import KNOT, encounter
 from ssmash_gym.ship.waves import Waves
-from ssmash_gym.vehicle.fields import Part
 
 Axes = Literal["z_down_starboard", "z_up_port"]
 Phase = Literal["lead", "lag"]

@@ -22,7 +22,7 @@ from typing import Final
 from pydantic import Field
 
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.vehicle.fields import NonNegative, Part
+from ssmash_gym.fields import NonNegative, Part
 
 GAUSSIAN: Final = math.sqrt(8.0 / math.pi)  # E|x|^3 / E x^2 of a Gaussian, in units of its standard deviation
 ITERATIONS: Final = 60  # the slowest case, purely quadratic damping, halves its error each time

@@ -9,9 +9,7 @@ the time derivatives of the angles.
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +18,7 @@ from typing import Final, Literal
 import numpy as np
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.files import write_text
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.motion import Motion, MotionSource, MotionTable, Signal, pose_of, positive
 
@@ -205,6 +204,8 @@ def write_shipmo(
     count = math.floor(positive("write_shipmo", "duration", duration) / step + 1e-9) + 1
     if rates not in ("body", "euler"):
         raise ConfigurationError(f"write_shipmo: rates is {rates!r}, allowed are 'body' and 'euler'")
+    if not file.parent.is_dir():  # a folder is not made for a name that may be mistyped
+        raise ConfigurationError(f"motion file {file}: cannot be written (there is no folder {file.parent})")
     deck = motion if isinstance(motion, MotionTable) else motion.realise()
     separator = "," if file.suffix.lower() == ".csv" else " "
     lines = [f"# {line}" for line in comments]
@@ -219,7 +220,10 @@ def write_shipmo(
         ]
         if progress is not None:
             progress((first + rows) / count)
-    _replace(file, "\n".join(lines) + "\n")
+    try:
+        write_text(file, "\n".join(lines) + "\n")
+    except OSError as error:
+        raise ConfigurationError(f"motion file {file}: cannot be written ({error.strerror or error})") from error
     return file
 
 
@@ -243,19 +247,3 @@ def _columns(signal: Signal, rates: Rates) -> FloatArray:
         [np.degrees(angles), pose.v_NS_N, np.degrees(w), pose.a_NS_N, np.degrees(wdot)],
         axis=1,
     )
-
-
-def _replace(file: Path, text: str) -> None:
-    """Write the whole file under another name, then put it in its place."""
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(file)
-    except OSError as error:
-        raise ConfigurationError(f"motion file {file}: cannot be written ({error.strerror or error})") from error
-    finally:
-        with contextlib.suppress(OSError):
-            partial.unlink()

@@ -16,16 +16,15 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import Mark, read_yaml, split
 from ssmash_gym.errors import ConfigurationError, shown
+from ssmash_gym.fields import Part, Positive, Vector, refuse
 from ssmash_gym.ship.hull import HullDatabase, load_hull
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.response import Guards, HullResponse, Loading, ShipResponse
 from ssmash_gym.ship.response_table import ResponseFile
 from ssmash_gym.ship.roll_damping import RollDamping
 from ssmash_gym.ship.sea import KNOT
-from ssmash_gym.vehicle.description import Mark
-from ssmash_gym.vehicle.document import read_yaml, split
-from ssmash_gym.vehicle.fields import Part, Positive, Vector, refuse
 
 BASE_KEY: Final = "base"  # in a file or a mapping: the name or file of the ship that it changes
 FILES: Final = (".yaml", ".yml")

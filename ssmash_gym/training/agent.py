@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.observations import chosen_terms
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig, load_task
@@ -32,7 +33,6 @@ from ssmash_gym.files import write_text
 from ssmash_gym.training.config import TrainingConfig, load_training
 from ssmash_gym.training.network import ACTIVATIONS, Network, policy_network
 from ssmash_gym.training.normaliser import Normaliser
-from ssmash_gym.vehicle.document import write_yaml
 
 FORMAT: Final = 1
 ABOUT: Final = "agent.json"

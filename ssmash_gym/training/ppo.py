@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ssmash_gym.errors import require
 from ssmash_gym.training.config import TrainingConfig
 from ssmash_gym.training.seeds import TRAINING, block, network_seed
 
@@ -15,12 +16,7 @@ def require_training() -> None:
         ImportError: One is missing; the sentence names the extra.
     """
     for name in ("torch", "stable_baselines3", "tensorboard"):
-        try:
-            __import__(name)
-        except ImportError:
-            raise ImportError(
-                f'training needs {name}, which is not installed: pip install "ssmash_gym[train]".'
-            ) from None
+        require(name, f'training needs {name}, which is not installed: pip install "ssmash_gym[train]".')
 
 
 def make_environment(config: TrainingConfig) -> Any:

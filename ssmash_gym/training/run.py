@@ -13,13 +13,13 @@ import tyro
 from rich.console import Console
 
 import ssmash_gym
+from ssmash_gym.document import write_yaml
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
 from ssmash_gym.training.agent import fingerprint, save_agent
 from ssmash_gym.training.checkpoint import checkpoints, load_checkpoint, prune, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
 from ssmash_gym.training.ppo import make_environment, make_model, require_training
-from ssmash_gym.vehicle.document import write_yaml
 
 DEFAULT: Final = "ppo_traverse"
 LIBRARIES: Final = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ssmash_gym.document import Mark, Origin
 from ssmash_gym.vehicle.catalogue import (
     document_of,
     helicopter_from,
@@ -13,8 +14,6 @@ from ssmash_gym.vehicle.catalogue import (
 from ssmash_gym.vehicle.description import (
     Aerodynamics,
     Helicopter,
-    Mark,
-    Origin,
     Stations,
     Surroundings,
 )

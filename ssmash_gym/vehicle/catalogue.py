@@ -13,9 +13,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import join, read_yaml, split, write_yaml
 from ssmash_gym.errors import ConfigurationError, refusal, shown
 from ssmash_gym.vehicle.description import Helicopter
-from ssmash_gym.vehicle.document import join, read_yaml, split, write_yaml
 
 _SUFFIXES: Final = (".yaml", ".yml", ".json")
 _SPRINGS: Final = ("gas_oleo", "linear_strut")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ssmash_gym.vehicle.fields import refuse
+from ssmash_gym.fields import refuse
 from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_lengths
 from ssmash_gym.vehicle.oleo import GasOleo, cubic_slope
 

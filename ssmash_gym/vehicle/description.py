@@ -8,28 +8,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
+from ssmash_gym.document import Mark, Origin
+from ssmash_gym.fields import Inertia, NonNegativeVector, Part, Positive, Vector, refuse
 from ssmash_gym.vehicle.checks import check_reach
-from ssmash_gym.vehicle.fields import Inertia, NonNegativeVector, Part, Positive, Vector, refuse
 from ssmash_gym.vehicle.probe import Probe
 from ssmash_gym.vehicle.station import Station
-
-Origin = Literal["source", "derived", "fitted", "assumed"]
-
-
-class Mark(BaseModel):
-    """Where one value comes from.
-
-    ``source``: a published figure; ``derived``: worked out from such figures; ``fitted``: identified so that
-    published results come out; ``assumed``: chosen without evidence.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    path: str
-    origin: Origin
-    note: str = ""
 
 
 def _by_path(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:

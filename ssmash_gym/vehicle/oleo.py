@@ -8,7 +8,7 @@ from typing import Final, Literal
 from pydantic import Field, model_validator
 
 from ssmash_gym.errors import ConfigurationWarning
-from ssmash_gym.vehicle.fields import NonNegative, Number, Part, Positive, refuse
+from ssmash_gym.fields import NonNegative, Number, Part, Positive, refuse
 
 SMOOTH_TOLERANCE: Final = 1.0e-3  # of the slope, for calling two regions continuously differentiable
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from pydantic import Field, StrictBool, model_validator
 
-from ssmash_gym.vehicle.fields import NonNegative, Part, Positive, Vector, refuse
+from ssmash_gym.fields import NonNegative, Part, Positive, Vector, refuse
 
 LEAST_STEEPNESS: Final = 0.1  # least share of the probe's length that must point down
 

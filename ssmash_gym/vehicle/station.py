@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ssmash_gym.fields import EulerParameters, Inertia, NonNegative, Part, Positive, Vector, refuse
 from ssmash_gym.vehicle.checks import check_oleo, check_swing_arm
-from ssmash_gym.vehicle.fields import EulerParameters, Inertia, NonNegative, Part, Positive, Vector, refuse
 from ssmash_gym.vehicle.oleo import EndStop, GasOleo, LinearStrut
 from ssmash_gym.vehicle.tire import Tire
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ssmash_gym.vehicle.fields import NonNegative, Number, Part, Positive, Vector, refuse
+from ssmash_gym.fields import NonNegative, Number, Part, Positive, Vector, refuse
 
 
 class LinearTire(Part):

@@ -14,6 +14,7 @@ import pytest
 from rich.console import Console
 
 from ssmash_gym.cli import main
+from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.limits import LIMITS
 from ssmash_gym.envs.scenario import load_scenario
 from ssmash_gym.envs.task import load_task
@@ -25,7 +26,6 @@ from ssmash_gym.evaluation.policies import baselines, find_agent, make_baseline
 from ssmash_gym.evaluation.report import severity_table
 from ssmash_gym.evaluation.statistics import share
 from ssmash_gym.evaluation.summary import comparison, policy_summary
-from ssmash_gym.vehicle.document import write_yaml
 
 SHORT = {"horizon_s": 6.0, "lead_in": {"duration_s": 5.0, "ramp_s": 4.0}}
 

@@ -13,6 +13,7 @@ import yaml
 
 from ssmash_gym.analysis.reference_figures import REFERENCE, REFERENCE_HEADINGS, REFERENCE_SEVERITIES
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import split
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.hull import DATA
 from ssmash_gym.ship.response import HullResponse
@@ -20,7 +21,6 @@ from ssmash_gym.ship.response_table import ResponseTable
 from ssmash_gym.ship.sea import SEA_STATES, Spectrum, Spreading
 from ssmash_gym.ship.seaway_statistics import spectral_deck_rms
 from ssmash_gym.ship.ships import KNOT, Ship, load_ship, ship_names
-from ssmash_gym.vehicle.document import split
 
 
 def document() -> dict[str, Any]:

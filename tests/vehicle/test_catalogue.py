@@ -14,6 +14,7 @@ from scipy.optimize import root
 
 import ssmash_gym.assets
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import read_yaml, split
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.vehicle import (
     Helicopter,
@@ -26,7 +27,6 @@ from ssmash_gym.vehicle import (
     save_helicopter,
     with_changes,
 )
-from ssmash_gym.vehicle.document import read_yaml, split
 from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_length
 
 NAMES = ("generic_tricycle", "seahawk_like")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ssmash_gym.document import read_yaml, write_yaml
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.vehicle import document_of, helicopter_from, load_helicopter, with_changes
-from ssmash_gym.vehicle.document import read_yaml, write_yaml
 
 OLEO = "stations.auxiliary.spring"
 

@@ -9,14 +9,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any, Final, Literal, get_args
 
 import yaml
+from pydantic import BaseModel, ConfigDict
 
 from ssmash_gym.errors import ConfigurationError, refusal
 
-ORIGINS: Final = ("source", "derived", "fitted", "assumed")
+Origin = Literal["source", "derived", "fitted", "assumed"]
+ORIGINS: Final = get_args(Origin)
 _LEAF_KEYS: Final = frozenset({"value", "origin", "note"})
+
+
+class Mark(BaseModel):
+    """Where one value comes from.
+
+    ``source``: a published figure; ``derived``: worked out from such figures; ``fitted``: identified so that
+    published results come out; ``assumed``: chosen without evidence.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    path: str
+    origin: Origin
+    note: str = ""
 
 
 class _Loader(yaml.SafeLoader):
