@@ -50,9 +50,10 @@ format: $(STAMP) ## Put the code into the house format
 bench: $(STAMP) ## Measure the engine beside a MuJoCo model of the same helicopter: JSON and a table
 	$(BIN)/python -m benchmarks.run --out build/bench.json
 
-docs: $(STAMP) ## Check the links of every page and build the API reference in build/docs
+docs: $(STAMP) ## Check the links of every page, build the manual in build/docs and the API reference beside it
 	$(BIN)/python tools/check_links.py
-	$(BIN)/pdoc ssmash_gym --docformat google --math -o build/docs
+	$(BIN)/python -m sphinx -W --keep-going -q -E -d build/doctrees docs build/docs
+	$(BIN)/python tools/api_reference.py build/docs/api
 
 acceptance: $(STAMP) ## Run every check, the long ones too (soak, training, full sweeps)
 	$(BIN)/python -m pytest -q -m "slow or not slow"

@@ -39,6 +39,21 @@ VERBS = {
     "train": Verb("Train an agent from one YAML file; resume a run", "ssmash_gym.agents.training:train"),
     "evaluate": Verb("Compare an agent with the baselines on frozen seeds", "ssmash_gym.agents.evaluation:evaluate"),
     "simulate": Verb("Run one helicopter on a moving deck and record it", "ssmash_gym.simulate:simulate"),
+    "run": Verb("Run a case: the thesis' input files, or a case in YAML", "ssmash_gym.thesis_files.verbs:run"),
+    "convert": Verb("Turn the thesis' input files into YAML, and back", "ssmash_gym.thesis_files.verbs:convert"),
+    "verify": Verb(
+        "Show Table 3.1 of the thesis beside the simulation", "ssmash_gym.analysis.verification.verbs:verify"
+    ),
+    "identify": Verb(
+        "Refit the generic tricycle to Table 3.1 and write its file", "ssmash_gym.analysis.verification.verbs:identify"
+    ),
+    "manoeuvre": Verb(
+        "Replay the thesis' validation manoeuvres: figures, statements",
+        "ssmash_gym.analysis.validation.verbs:manoeuvre",
+    ),
+    "systems": Verb(
+        "Run a case through the other systems of the thesis: picture, table", "ssmash_gym.systems.verbs:systems"
+    ),
     "ship-motion": Verb(
         "Write a ship's motion in a seaway: record, figures, picture", "ssmash_gym.ship_motion:ship_motion"
     ),
@@ -76,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(name: str, rest: Sequence[str]) -> int:
     """Import the verb's function and call it with its options; a user's mistake becomes one line."""
-    from ssmash_gym.errors import ConfigurationError
+    from ssmash_gym.errors import ConfigurationError, SolverError
 
     module, attribute = VERBS[name].function.split(":")
     try:
@@ -84,7 +99,7 @@ def _run(name: str, rest: Sequence[str]) -> int:
     except Misread as mistake:
         print(f"ssmash {name}: {mistake} (`ssmash {name} --help` lists the options)", file=sys.stderr)
         return MISREAD
-    except (ConfigurationError, OSError, ImportError) as mistake:
+    except (ConfigurationError, SolverError, OSError, ImportError) as mistake:
         print(f"ssmash {name}: {mistake}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
+import numpy as np
 import yaml
 from pydantic import BaseModel, ConfigDict
 
@@ -39,7 +41,10 @@ class _Loader(yaml.SafeLoader):
     """Safe YAML that also reads ``1e6`` as a number and refuses a key written twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        written = [key.value for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
+        keys = [key for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
+        if not all(isinstance(key, yaml.ScalarNode) for key in keys):
+            raise yaml.constructor.ConstructorError(None, None, "a key must be a plain word", node.start_mark)
+        written = [key.value for key in keys]
         if len(set(written)) < len(written):
             twice = next(key for key in written if written.count(key) > 1)
             raise yaml.constructor.ConstructorError(None, None, f"the key {twice} is written twice", node.start_mark)
@@ -86,11 +91,39 @@ def read_yaml(text: str, source: str) -> dict[str, Any]:
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f", line {mark.line + 1}" if mark is not None else ""
-        problem = getattr(error, "problem", None) or str(error)
+        problem = " ".join(str(getattr(error, "problem", None) or error).split())
         raise ConfigurationError(f"{source}{line}: this is not valid YAML: {problem}.") from None
     if not isinstance(document, dict):
         raise ConfigurationError(f"{source}: the file must hold a mapping of keys to values.")
     return document
+
+
+def read_file(path: Path) -> dict[str, Any]:
+    """Read a YAML (or JSON) file.
+
+    Raises:
+        ConfigurationError: It cannot be read, is no text in UTF-8, is no YAML, or holds no mapping.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(
+            f"{path}: byte {error.start + 1} is not valid UTF-8; save the file as UTF-8."
+        ) from None
+    except OSError as error:
+        raise ConfigurationError(f"{path}: the file cannot be read ({error.strerror or error}).") from None
+    return read_yaml(text, str(path))
+
+
+def plain_copy(value: Any) -> Any:
+    """A copy of a node that shares nothing with it: NumPy numbers and tuples become what a document holds."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain_copy(child) for key, child in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_copy(child) for child in value]
+    return value
 
 
 def write_yaml(document: Mapping[str, Any]) -> str:

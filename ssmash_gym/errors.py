@@ -13,6 +13,10 @@ class ConfigurationWarning(UserWarning):
     """A configuration is accepted, but something in it is probably not meant."""
 
 
+class SolverError(RuntimeError):
+    """A numerical integration gave up; the message is one sentence with the method, the time and the reason."""
+
+
 def refusal(source: str, path: str, value: object, allowed: str) -> ConfigurationError:
     """Make the error for one value.
 

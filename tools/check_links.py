@@ -10,6 +10,7 @@ ROOT = Path(__file__).resolve().parent.parent
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)(?:\s+\"[^\"]*\")?\)")
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`\n]*`")
+MATHS = re.compile(r"\$\$.*?\$\$|(?<!\\)\$[^$\n]*(?<!\\)\$", re.DOTALL)
 SKIPPED = {".venv", "build", "runs", "node_modules"}
 
 
@@ -22,7 +23,7 @@ def anchors(page: Path) -> set[str]:
 def broken_links(page: Path) -> list[str]:
     """Links of one page that lead nowhere, as ``page: link``."""
     broken = []
-    text = CODE.sub("", FENCE.sub("", page.read_text(encoding="utf-8")))
+    text = MATHS.sub("", CODE.sub("", FENCE.sub("", page.read_text(encoding="utf-8"))))
     for link in LINK.findall(text):
         if re.match(r"[a-z]+:", link):
             continue

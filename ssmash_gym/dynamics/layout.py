@@ -164,7 +164,13 @@ class Par(IntEnum):
     WRENCH_H = 65  # further force [N] and moment [N m] at the helicopter's c.g., H axes, 6 rows
     WRENCH_W = 71  # the same for the three carriages, W axes, 3 x 6 rows
     GUST = 89  # direction that the table's gust speed takes, N axes, 3 rows: a unit vector, or zero for no gust
-    STATION = 92  # 3 x STATION_ROWS
+    PATCH_X_MIN = 92  # rectangle of the deck with other friction, S axes [m]; read with `Mode.PATCH`
+    PATCH_X_MAX = 93
+    PATCH_Y_MIN = 94
+    PATCH_Y_MAX = 95
+    PATCH_LOSS = 96  # share of the friction that is missing on it: 1 - factor [1]
+    PATCH_EDGE = 97  # width inside its border over which the friction changes [m]
+    STATION = 98  # 3 x STATION_ROWS
 
 
 class Sta(IntEnum):
@@ -227,6 +233,11 @@ class Sta(IntEnum):
     STROKE = 62
     STOP_K = 63
     STOP_C = 64
+    STEER_PLAY = 65  # free play of a locked steering, to either side [rad]; this and the rows below with `Mode.PLAY`
+    STEER_STOP_K = 66  # stiffness beyond it [N m/rad]
+    STEER_STOP_C = 67  # damping beyond it [N m s/rad]
+    STEER_COS = 68  # half the steer angle about which it is locked: cosine and sine, from the orientation at droop
+    STEER_SIN = 69
 
 
 class Tir(IntEnum):
@@ -262,7 +273,7 @@ class Tir(IntEnum):
     LIN_SIGMA = 27
 
 
-STATION_ROWS: Final = int(Sta.STOP_C) + 1
+STATION_ROWS: Final = int(Sta.STEER_SIN) + 1
 TIRE_ROWS: Final = len(Tir)
 TIRE_PAR: Final = int(Par.STATION) + STATIONS * STATION_ROWS
 PARAMETER_ROWS: Final = TIRE_PAR + TIRES * TIRE_ROWS
@@ -280,10 +291,12 @@ class Mode(IntEnum):
     FRICTION = 10  # Friction
     CONTACT = 11  # Contact
     PROBE_LAW = 12  # ProbeLaw
-    CLAW = 13  # ClawDrive
+    PLAY = 13  # 3 entries, 1 where the locked steering has free play
+    CLAW = 16  # ClawDrive
+    PATCH = 17  # 1 where the deck has a patch of other friction (`Par.PATCH_X_MIN` and on)
 
 
-MODES: Final = 14
+MODES: Final = 18
 
 
 class StationKind(IntEnum):

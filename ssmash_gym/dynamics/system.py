@@ -28,10 +28,12 @@ from ssmash_gym.dynamics.layout import (
     Sta,
     State,
     StationKind,
+    Tir,
     Work,
 )
 from ssmash_gym.dynamics.maths import asin, atan2
 from ssmash_gym.dynamics.oleo import bearing_load, gas_oleo
+from ssmash_gym.dynamics.patch import patch_factor
 from ssmash_gym.dynamics.probe import probe
 from ssmash_gym.dynamics.rigid_body import (
     add_blocks,
@@ -46,7 +48,7 @@ from ssmash_gym.dynamics.rigid_body import (
     solve_accelerations,
     symmetric_apply,
 )
-from ssmash_gym.dynamics.steering import steer_moment
+from ssmash_gym.dynamics.steering import play_moment, steer_moment
 from ssmash_gym.dynamics.suspension import linear_strut, strut_geometry
 from ssmash_gym.dynamics.tire import tire
 from ssmash_gym.dynamics.vectors import (
@@ -255,9 +257,12 @@ def wheel_loads(
         r_WT_S = apply(R_SO, load3(p, tbase))
         v_ST_S = add(v_SW_S, cross(w_SW_S, r_WT_S))
         height = -(r_SW_S[2] + r_WT_S[2])
+        mu = load(p, tbase + Tir.MU)
+        if mode[Mode.PATCH]:
+            mu = mu * patch_factor(p, r_SW_S[0] + r_WT_S[0], r_SW_S[1] + r_WT_S[1])
         result = tire(
             p, tbase, mode[Mode.TIRE_MODEL], mode[Mode.FRICTION], mode[Mode.CONTACT], r_WT_S, height, v_ST_S, w_SW_S,
-            wy_S, load(y, row), load(y, row + 1), load(y, row + 2), lock,
+            wy_S, load(y, row), load(y, row + 1), load(y, row + 2), lock, mu,
         )  # fmt: skip
         force = add(force, result[0])
         moment = add(moment, result[1])
@@ -330,6 +335,10 @@ def joint_forces(
         arm = (r_OW_O[0], r_OW_O[1], r_OW_O[2] - load(p, base + Sta.BEARING_Z))
         applied = add(cross(arm, apply_t(R_HO, ground[0])), apply_t(R_HO, ground[1]))  # (2.214)
         normal = bearing_load(p, base, x, sqrt(applied[0] * applied[0] + applied[1] * applied[1]))
+        if mode[Mode.PLAY + i]:
+            row = State.Q15 + STATION_COORDINATES * i + 1
+            play = play_moment(p, base, load(y, row), load(y, row + 3), u2)
+            steer = (steer[0] + play[0], steer[1] + play[1])
     else:
         strut = strut_geometry(p, base, R_HO)
         x = load(p, base + Sta.LENGTH) - strut[0]

@@ -146,7 +146,16 @@ def yawed_rolling(v_x: Any, v_y: Any, v_roll: Any, lengths: Any, slide: Any, ove
 
 @kernel
 def free_rates(
-    p: Any, base: int, props: Any, over_grip: Any, motion: Any, inclination: Any, d_y: Any, psi: Any, lock: Any
+    p: Any,
+    base: int,
+    props: Any,
+    grip: Any,
+    over_grip: Any,
+    motion: Any,
+    inclination: Any,
+    d_y: Any,
+    psi: Any,
+    lock: Any,
 ) -> Any:
     """Rates of the stored deflections as if friction had no limit.
 
@@ -154,6 +163,7 @@ def free_rates(
         p: Parameter rows.
         base: First row of the tire.
         props: What `properties` returns.
+        grip: ``mu F_z`` [N].
         over_grip: ``1 / (mu F_z)``, finite [1/N].
         motion: ``(v_x, v_y, r_z)``: velocity over the deck along ``t_x``, ``t_y`` [m/s] and yaw rate [rad/s].
         inclination: Inclination angle [rad].
@@ -165,11 +175,10 @@ def free_rates(
         ``(d_x', d_y', psi', standing, rolls)``: rates [m/s], [m/s], [rad/s]; camber force beside the stored
         deflection [N]; 0 for a standing or locked wheel to 1 for a rolling one.
     """
-    F_z, _, k_y, k_psi, L_0, L_y, L_u, L_m, c_f, c_m = props
+    _, _, k_y, k_psi, L_0, L_y, L_u, L_m, c_f, c_m = props
     v_x, v_y, r_z = motion
     v_roll = (1.0 - lock) * fabs(v_x)
     rolls = -expm1(-(load(p, base + Tir.BETA) * v_roll))
-    grip = load(p, base + Tir.MU) * F_z
     over_k_y = 1.0 / maximum(k_y, LEAST_STIFFNESS)
     least = maximum(load(p, base + Tir.SIGMA_MIN), LEAST_SIGMA)
     lengths = (L_0, L_y, L_u)
@@ -223,6 +232,7 @@ def tire(
     d_y: Any,
     psi: Any,
     lock: Any,
+    mu: Any,
 ) -> Any:
     """Forces of one tire and the rates of its stored deflections.
 
@@ -241,6 +251,7 @@ def tire(
         d_y: Stored lateral deflection [m].
         psi: Stored twist [rad].
         lock: 1 where the wheel may not turn, 0 where it rolls.
+        mu: Friction coefficient where the tire touches the deck.
 
     Returns:
         ``(F_S, M_S, rates, reads)``: force on the carriage [N] and moment about the carriage origin [N m], S axes;
@@ -256,14 +267,14 @@ def tire(
     props = properties(p, base, model, dz, v_ST_S[2], L_h, b_t, over_area)
     F_z, k_x, k_y, k_psi = props[0], props[1], props[2], props[3]
     radius = maximum(0.5 * L_h + 0.25 * b_t, LEAST_RADIUS)
-    over = 1.0 / (maximum(load(p, base + Tir.MU) * F_z, LEAST_GRIP) * radius)
+    over = 1.0 / (maximum(mu * F_z, LEAST_GRIP) * radius)
     over_grip = radius * over
 
     touch = minimum(F_z * (1.0 / TOUCH_LOAD), 1.0)  # the deck does not drag at a tire in the air
     v_x, v_y = carriage_velocity(contact, height, v_ST_S, w_SW_S, c, s)
     v_x, v_y = touch * v_x, touch * v_y
     motion = (v_x, v_y, touch * w_SW_S[2])
-    free = free_rates(p, base, props, over_grip, motion, inclination, d_y, psi, lock)
+    free = free_rates(p, base, props, mu * F_z, over_grip, motion, inclination, d_y, psi, lock)
     dot_x, dot_y, dot_psi, standing, rolls = free
 
     # elastic forces, and what friction leaves of them

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, TypeVar, Union, get_args, get_origin
-
-from pydantic import BaseModel, ValidationError
+from typing import Any, Final
 
 from ssmash_gym.assets import asset_path
-from ssmash_gym.document import read_yaml
+from ssmash_gym.document import read_file
 from ssmash_gym.envs.ranges import RANGE_KEYS
 from ssmash_gym.errors import ConfigurationError, shown
+from ssmash_gym.sections import Model, validated
 from ssmash_gym.ship.ships import from_folder
 
-Model = TypeVar("Model", bound=BaseModel)
 BASE_KEY: Final = "base"  # in a mapping: the name or file that it changes
 
 
@@ -67,7 +65,7 @@ def read(folder: str, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
             f"{folder}: there is none called {shown(str(name_or_path))}: give one of {', '.join(names(folder))}, or "
             "the path of a YAML file."
         )
-    document = read_yaml(path.read_text(encoding="utf-8"), str(path))
+    document = read_file(path)
     return resolved(document, path.parent), f"{folder} {path.stem}"
 
 
@@ -105,61 +103,3 @@ def merged(document: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
 def _replaces(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
     ranges = bool(RANGE_KEYS & set(new)) or bool(RANGE_KEYS & set(old))
     return ranges or any(key in new and new[key] != old.get(key) for key in ("type", BASE_KEY))
-
-
-def validated(model: type[Model], document: Mapping[str, Any], source: str) -> Model:
-    """Make the section of a document.
-
-    Raises:
-        ConfigurationError: It is refused; the first mistake in one sentence.
-    """
-    try:
-        return model.model_validate(dict(document))
-    except ValidationError as error:
-        raise ConfigurationError(sentence(model, error, source)) from None
-
-
-def sentence(model: type[BaseModel], error: ValidationError, source: str) -> str:
-    """The first mistake in one sentence: source, key, value and what is allowed."""
-    first = error.errors(include_url=False)[0]
-    path, fields = _walk(model, first["loc"])
-    key = ".".join(path)
-    if first["type"] == "extra_forbidden":
-        return f"{source}: there is no key {key}; allowed here are {', '.join(fields)}."
-    if first["type"] == "missing":
-        return f"{source}: the key {key} is missing."
-    if first["type"] == "value_error":
-        return f"{source}: {key} is refused: {first['ctx']['error']}." if key else f"{source}: {first['ctx']['error']}."
-    message = first["msg"][:1].lower() + first["msg"][1:]
-    return f"{source}: {key} = {shown(first['input'])} is refused: {message}."
-
-
-def _walk(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[list[str], list[str]]:
-    """The location without the tags of unions, and the keys allowed where it ends."""
-    path: list[str] = []
-    here: list[type[BaseModel]] = [model]
-    for step in location:
-        tagged = [m for m in here if "type" in m.model_fields and step in get_args(m.model_fields["type"].annotation)]
-        if tagged:
-            here = tagged
-            continue
-        path.append(str(step))
-        if step != location[-1]:
-            here = [m for part in here if step in part.model_fields for m in _models(part.model_fields[str(step)])]
-    return path, sorted({name for part in here for name in part.model_fields})
-
-
-def _models(field: Any) -> list[type[BaseModel]]:
-    """The sections that a field may hold."""
-    return _sections(getattr(field, "annotation", field))
-
-
-def _sections(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type):
-        return [annotation] if issubclass(annotation, BaseModel) else []
-    if get_origin(annotation) is None or get_origin(annotation) not in (Union, *_UNIONS):
-        return []
-    return [model for part in get_args(annotation) for model in _sections(part)]
-
-
-_UNIONS: Final = (type(int | str),)

@@ -11,12 +11,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs import motions
-from ssmash_gym.envs.loading import load, validated
+from ssmash_gym.envs.loading import load
 from ssmash_gym.envs.motions import MotionRanges, RecordedMotions
 from ssmash_gym.envs.ranges import Constant, Range, within
 from ssmash_gym.envs.seaways import SeawayMotions
 from ssmash_gym.envs.winds import WIND, FreeWind, SeaWind, WindRanges, free_by_default
 from ssmash_gym.errors import ConfigurationError, refusal, shown
+from ssmash_gym.sections import validated
 from ssmash_gym.ship import parse_motion
 from ssmash_gym.ship.sea import KNOT
 from ssmash_gym.ship.seaway import Seaway

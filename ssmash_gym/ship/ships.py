@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from ssmash_gym.assets import asset_path
-from ssmash_gym.document import Mark, read_yaml, split
+from ssmash_gym.document import Mark, read_file, split
 from ssmash_gym.errors import ConfigurationError, shown
 from ssmash_gym.fields import Part, Positive, Vector, refuse
 from ssmash_gym.ship.hull import HullDatabase, load_hull
@@ -264,7 +264,7 @@ def _within(folder: str | Path, value: Any, endings: Sequence[str]) -> Any:
 @functools.lru_cache(maxsize=32)
 def _file(path: Path, _time: int) -> dict[str, Any]:
     """The document in a file, its paths made absolute; read anew when the file has changed."""
-    return from_folder(read_yaml(path.read_text(encoding="utf-8"), str(path)), path.parent)
+    return from_folder(read_file(path), path.parent)
 
 
 def _base_of(document: Mapping[str, Any], source: str) -> Path | None:

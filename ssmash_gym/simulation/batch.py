@@ -6,7 +6,6 @@ The single helicopter is the batch of one; there is no second implementation of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,8 @@ from ssmash_gym.simulation import settle as settling
 from ssmash_gym.simulation import tables as node_tables
 from ssmash_gym.simulation.claw import ClawLimits, history_nodes, write_drive, write_history
 from ssmash_gym.simulation.parameters import Modes, common_mode, droop_state, parameter_column
+from ssmash_gym.simulation.patch import DEFAULT_EDGE_M, Range, write_patch
+from ssmash_gym.simulation.snapshot import Snapshot
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.simulation.timing import Timing
 
@@ -32,14 +33,6 @@ Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
 DECK_COLUMNS = 18
 NO_GUST = np.zeros((2, 3))
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """Copy of everything a batch is at one instant; immutable by convention, taken by `Batch.snapshot`."""
-
-    arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]]
-    helicopters: tuple[Helicopter, ...]
 
 
 class Batch:
@@ -127,14 +120,7 @@ class Batch:
 
     def columns(self, columns: ArrayLike | None) -> Columns:
         """The listed columns (indices, or a mask of all) as an index array; None means all."""
-        if columns is None:
-            return np.arange(self.n)
-        chosen = np.atleast_1d(np.asarray(columns))
-        if chosen.dtype == np.bool_:
-            return np.flatnonzero(chosen)
-        if np.unique(chosen).size < chosen.size:
-            raise ValueError(f"columns {chosen.tolist()}: a helicopter must not be listed twice")
-        return chosen.astype(np.int64)
+        return np.arange(self.n) if columns is None else node_tables.listed(columns)
 
     @property
     def time_s(self) -> Array:
@@ -145,6 +131,11 @@ class Batch:
     def nodes(self) -> Array:
         """Deck-motion nodes, (N, nodes, 18)."""
         return self._nodes
+
+    @property
+    def claw_nodes(self) -> Array:
+        """Nodes of a prescribed claw, (N, nodes, 9): x, y, z in S [m], their rates and accelerations."""
+        return self._claw_nodes
 
     @property
     def mode(self) -> Columns:
@@ -205,6 +196,24 @@ class Batch:
         """
         self._claw_nodes = history_nodes(nodes, self.n)
         self._mode[Mode.CLAW] = ClawDrive.PRESCRIBED
+
+    def set_patch(
+        self, x_m: Range, y_m: Range, factor: float, edge_m: float = DEFAULT_EDGE_M, columns: ArrayLike | None = None
+    ) -> None:
+        """Give the deck of the listed columns a rectangle of other tire friction; see `dynamics.patch`.
+
+        Args:
+            x_m: from and to along the track, S axes [m].
+            y_m: from and to across the track [m].
+            factor: friction coefficient there over that elsewhere; 1 takes an earlier patch away.
+            edge_m: width inside the border over which the friction changes [m].
+            columns: helicopters; None means all.
+
+        Raises:
+            ConfigurationError: the rectangle is empty or narrower than its two edges, or the factor is negative.
+        """
+        write_patch(self.parameters, self.columns(columns), x_m, y_m, factor, edge_m)
+        self._mode[Mode.PATCH] = 1
 
     # --- where they are ------------------------------------------------------------------------------------
 
@@ -303,10 +312,7 @@ class Batch:
         substeps = self.timing.substeps
         late = self.clocks[pick] + substeps * intervals > np.minimum(self._ends, self._gust_ends)[pick]
         if late.any():
-            k = int(chosen[np.argmax(late)])
-            end, what = min((self._ends[k], "deck motion"), (self._gust_ends[k], "gust table"))
-            end_s = end * self.timing.substep_s
-            raise ValueError(f"the {what} of helicopter {k} ends at {end_s:g} s; bake a longer table")
+            raise node_tables.ended(int(chosen[np.argmax(late)]), self._ends, self._gust_ends, self.timing.substep_s)
         parts = self._parts(values.T, chosen, intervals)
         highs, lows = [], []
         for part in parts:
@@ -387,13 +393,7 @@ class Batch:
             [self.helicopters[i] for i in copies], timing=self.timing, modes=self.modes, claw=self.claw,
             threads=self.threads, longest_delay_s=self.longest_delay_s,
         )  # fmt: skip
-        along_first = {"clocks", "_nodes", "_ends", "_gust_nodes", "_gust_ends", "_claw_nodes"}
-        for name in self._SAVED:
-            array = getattr(self, name)
-            if name == "_mode":
-                setattr(other, name, array.copy())
-            else:
-                setattr(other, name, array[copies].copy() if name in along_first else array[:, copies].copy())
+        other.restore(self.snapshot().of_columns(copies))
         return other
 
 

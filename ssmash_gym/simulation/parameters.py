@@ -40,7 +40,7 @@ from ssmash_gym.errors import ConfigurationError, refusal
 from ssmash_gym.vehicle.description import Helicopter
 from ssmash_gym.vehicle.geometry import lowest_points, rotation, strut_length
 from ssmash_gym.vehicle.oleo import GasOleo, LinearStrut
-from ssmash_gym.vehicle.station import Station
+from ssmash_gym.vehicle.station import Station, SteerPlay
 from ssmash_gym.vehicle.tire import Tire
 
 Array = NDArray[np.float64]
@@ -101,6 +101,7 @@ def mode_vector(helicopter: Helicopter, modes: Modes | None = None) -> NDArray[n
         vector[Mode.STATION_KIND + i] = _KINDS[station.kind]
         vector[Mode.SPRING + i] = Spring.GAS_OLEO if isinstance(station.spring, GasOleo) else Spring.LINEAR
         vector[Mode.TIRES + i] = len(station.tires)
+        vector[Mode.PLAY + i] = int(station.steer_play is not None)
     vector[Mode.TIRE_MODEL] = _TIRE_MODELS[helicopter.tire_model]
     vector[Mode.CONTACT] = modes.number("contact")
     vector[Mode.FRICTION] = modes.number("friction")
@@ -125,8 +126,9 @@ def common_mode(helicopters: Sequence[Helicopter], modes: Modes) -> NDArray[np.i
 def parameter_column(helicopter: Helicopter) -> Array:
     """Make the parameters of a helicopter, shape (PARAMETER_ROWS,), rows and units of `ssmash_gym.dynamics.layout`.
 
-    Coordinates are turned from the description's reference point to the body's c.g. The rows of the claw, the ripple
-    and the external wrenches are 0, and so are those of a spring element or a tire that the helicopter does not have.
+    Coordinates are turned from the description's reference point to the body's c.g. The rows of the claw, the ripple,
+    the external wrenches, the gusts and the patch are 0, and so are those of what the helicopter does not have: a
+    spring element, a tire, free play.
 
     Args:
         helicopter: The helicopter.
@@ -144,8 +146,8 @@ def parameter_column(helicopter: Helicopter) -> Array:
     for i, station in enumerate(helicopter.station_tuple):
         start = Par.STATION + i * STATION_ROWS
         _fill_station(column[start : start + STATION_ROWS], station, cg)
-        # A locked steering holds u14, u16 or u18 at 0.
-        column[Par.LOCK + State.U14 + 2 * i] = float(station.steering == "locked")
+        # A locked steering without play holds u14, u16 or u18 at 0.
+        column[Par.LOCK + State.U14 + 2 * i] = float(station.steering == "locked" and station.steer_play is None)
         for k, tire in enumerate(station.tires):
             start = TIRE_PAR + (2 * i + k) * TIRE_ROWS
             _fill_tire(column[start : start + TIRE_ROWS], tire, helicopter.surroundings.atmospheric_pressure_Pa)
@@ -190,6 +192,8 @@ def _fill_station(rows: Array, station: Station, cg: Array) -> None:
     rows[Sta.STEER_MU] = station.steer_friction_m
     rows[Sta.STEER_C] = station.steer_damping_Nmspr
     rows[Sta.STEER_BETA] = station.steer_decay_spr
+    if station.steer_play is not None:
+        _fill_play(rows, station, station.steer_play)
     rows[Sta.STROKE] = station.end_stop.stroke_m
     rows[Sta.STOP_K] = station.end_stop.stiffness_Npm
     rows[Sta.STOP_C] = station.end_stop.damping_Nspm
@@ -198,6 +202,13 @@ def _fill_station(rows: Array, station: Station, cg: Array) -> None:
         rows[Sta.LINEAR_C] = station.spring.damping_Nspm
     else:
         _fill_oleo(rows, station.spring)
+
+
+def _fill_play(rows: Array, station: Station, play: SteerPlay) -> None:
+    rows[Sta.STEER_PLAY] = play.play_rad
+    rows[Sta.STEER_STOP_K], rows[Sta.STEER_STOP_C] = play.stop_stiffness_Nmprad, play.stop_damping_Nmspr
+    half = np.array([station.orientation[0], station.orientation[3]])  # of the angle at which it is locked
+    rows[Sta.STEER_COS : Sta.STEER_SIN + 1] = half / np.linalg.norm(half)
 
 
 def _fill_oleo(rows: Array, oleo: GasOleo) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ssmash_gym.files import whole_file
 from ssmash_gym.simulation.batch import Batch
-from ssmash_gym.simulation.telemetry import CHANNELS, channel
+from ssmash_gym.simulation.telemetry import CHANNELS, Channel, channel
 
 Array = NDArray[np.float64]
 PEAK_SUFFIXES = ("_max", "_min")  # extremes over the substeps of the interval that ends at this row
@@ -80,16 +80,43 @@ class Recorder:
             path: file to write.
             configuration: the resolved configuration, JSON-able: what made this recording (with seed and version).
         """
-        from ssmash_gym import __version__
+        write_recording(path, self.table(), self.channels, configuration)
 
-        units = {c.name: {"unit": c.unit, "frame": c.frame, "meaning": c.meaning} for c in self.channels}
-        metadata = {
-            "ssmash_gym.version": __version__,
-            "ssmash_gym.units": json.dumps(units),
-            "ssmash_gym.configuration": json.dumps(dict(configuration)),
-        }
-        with whole_file(path) as temporary:
-            self.table().write_parquet(temporary, metadata=metadata)
+
+def write_recording(
+    path: str | Path, table: pl.DataFrame, channels: Sequence[Channel], configuration: Mapping[str, Any]
+) -> None:
+    """Write a recording whole or not at all.
+
+    Args:
+        path: file to write.
+        table: what was recorded, columns named as the channels.
+        channels: what they are.
+        configuration: the resolved configuration, JSON-able: what made this recording (with seed and version).
+    """
+    from ssmash_gym import __version__
+
+    units = {c.name: {"unit": c.unit, "frame": c.frame, "meaning": c.meaning} for c in channels}
+    metadata = {
+        "ssmash_gym.version": __version__,
+        "ssmash_gym.units": json.dumps(units),
+        "ssmash_gym.configuration": json.dumps(dict(configuration)),
+    }
+    with whole_file(path) as temporary:
+        table.write_parquet(temporary, metadata=metadata)
+
+
+def telemetry_frame(
+    time_s: Array, helicopter: Array, states: Array, outputs: Array, highs: Array, lows: Array,
+    channels: Sequence[Channel],
+) -> pl.DataFrame:  # fmt: skip
+    """Channels, and their extremes where they have them, from the kernel's tables (rows, m) at times (m,) [s]."""
+    columns: dict[str, Array] = {"time_s": time_s, "helicopter": helicopter}
+    for c in channels:
+        columns[c.name] = (outputs if c.has_peaks else states)[c.row]
+        if c.has_peaks:
+            columns[c.name + "_max"], columns[c.name + "_min"] = highs[c.row], lows[c.row]
+    return pl.DataFrame(columns).with_columns(pl.col("helicopter").cast(pl.Int64))
 
 
 def read_recording(path: str | Path) -> tuple[pl.DataFrame, dict[str, Any]]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ssmash_gym.errors import ConfigurationError
 
@@ -86,3 +86,30 @@ def last_substep(nodes: Array, substeps_per_node: int) -> int:
     values = nodes.shape[1] // 3
     still = not np.any(nodes[:, values:]) and np.all(nodes[:, :values] == nodes[0, :values])
     return ENDLESS if still else (nodes.shape[0] - 1) * substeps_per_node
+
+
+def ended(column: int, deck: Columns, gusts: Columns, substep_s: float) -> ValueError:
+    """Make the error of a helicopter whose tables are at their end.
+
+    Args:
+        column: which helicopter.
+        deck: last substeps that the tables of deck motion cover, (N,).
+        gusts: the same of the gust tables, (N,).
+        substep_s: length of a substep [s].
+    """
+    end, what = min((int(deck[column]), "deck motion"), (int(gusts[column]), "gust table"))
+    return ValueError(f"the {what} of helicopter {column} ends at {end * substep_s:g} s; bake a longer table")
+
+
+def listed(columns: ArrayLike) -> Columns:
+    """Columns given as indices, or as a mask of all, as an index array.
+
+    Raises:
+        ValueError: one is listed twice.
+    """
+    chosen = np.atleast_1d(np.asarray(columns))
+    if chosen.dtype == np.bool_:
+        return np.flatnonzero(chosen)
+    if np.unique(chosen).size < chosen.size:
+        raise ValueError(f"columns {chosen.tolist()}: a helicopter must not be listed twice")
+    return chosen.astype(np.int64)

@@ -1,4 +1,4 @@
-"""The time grid of a batch: substeps, control intervals, nodes of the deck motion."""
+"""The time grid of a batch: substeps, control intervals, nodes of what is prescribed (deck, gusts, claw)."""
 
 from __future__ import annotations
 
@@ -14,15 +14,22 @@ NODE_SPACING_S = 0.25  # C2 quintic pieces: below 2e-5 of the acceleration's dev
 class Timing:
     """Substep, control interval and node spacing [s]; the latter two are whole numbers of substeps.
 
+    Args:
+        substep_s: step of the integration.
+        control_interval_s: time between two commands, a whole number of substeps.
+        longest_node_s: time between two nodes of the prescribed tables, rounded to whole substeps: finer for a claw
+            or a deck that moves at several hertz, such as a claw with noise or a record at 20 Hz.
+
     Raises:
-        ConfigurationError: the control interval is no whole number of substeps.
+        ConfigurationError: the control interval is no whole number of substeps, or a time is out of its range.
     """
 
     substep_s: float = 0.002
     control_interval_s: float = 0.1
+    longest_node_s: float = NODE_SPACING_S
 
     def __post_init__(self) -> None:
-        """Check that the interval is a whole number of substeps."""
+        """Check the ranges, and that the interval is a whole number of substeps."""
         if not 0.0 < self.substep_s <= LONGEST_SUBSTEP_S:
             raise ConfigurationError(
                 f"substep_s = {self.substep_s}: must be above 0 and at most {LONGEST_SUBSTEP_S} s; "
@@ -34,6 +41,11 @@ class Timing:
                 f"control_interval_s = {self.control_interval_s}: must be a whole number of "
                 f"substeps of {self.substep_s} s"
             )
+        if not self.substep_s <= self.longest_node_s <= NODE_SPACING_S:
+            raise ConfigurationError(
+                f"longest_node_s = {self.longest_node_s}: must be from the substep of {self.substep_s} s to "
+                f"{NODE_SPACING_S} s"
+            )
 
     @property
     def substeps(self) -> int:
@@ -42,10 +54,10 @@ class Timing:
 
     @property
     def substeps_per_node(self) -> int:
-        """Substeps between two nodes of a deck-motion table."""
-        return max(1, round(NODE_SPACING_S / self.substep_s))
+        """Substeps between two nodes of a table."""
+        return max(1, round(self.longest_node_s / self.substep_s))
 
     @property
     def node_spacing_s(self) -> float:
-        """Time between two nodes of a deck-motion table [s]: what `MotionSource.bake` must be given."""
+        """Time between two nodes of a table [s]: what `MotionSource.bake` must be given."""
         return self.substeps_per_node * self.substep_s

@@ -10,9 +10,10 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ssmash_gym.envs.loading import BASE_KEY, merged, read, validated
+from ssmash_gym.envs.loading import BASE_KEY, merged, read
 from ssmash_gym.envs.task import Reward
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.sections import validated
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]

@@ -19,7 +19,7 @@ from ssmash_gym.vehicle.description import (
 )
 from ssmash_gym.vehicle.oleo import EndStop, GasOleo, LinearStrut
 from ssmash_gym.vehicle.probe import Probe
-from ssmash_gym.vehicle.station import Station, SwingArm
+from ssmash_gym.vehicle.station import Station, SteerPlay, SwingArm
 from ssmash_gym.vehicle.tire import LinearTire, Tire
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "Probe",
     "Station",
     "Stations",
+    "SteerPlay",
     "Surroundings",
     "SwingArm",
     "Tire",

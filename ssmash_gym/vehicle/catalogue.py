@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, get_args
 
-import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ssmash_gym.assets import asset_path
-from ssmash_gym.document import join, read_yaml, split, write_yaml
+from ssmash_gym.document import join, plain_copy, read_file, split, write_yaml
 from ssmash_gym.errors import ConfigurationError, refusal, shown
 from ssmash_gym.vehicle.description import Helicopter
 
@@ -65,7 +64,7 @@ def load_helicopter(path_or_name: str | Path) -> Helicopter:
                 "a YAML file."
             )
         path = asset_path("configs", "helicopters", f"{path_or_name}.yaml")
-    return helicopter_from(read_yaml(path.read_text(encoding="utf-8"), str(path)), str(path))
+    return helicopter_from(read_file(path), str(path))
 
 
 def helicopter_from(document: Mapping[str, Any], source: str = "helicopter") -> Helicopter:
@@ -128,7 +127,7 @@ def with_changes(helicopter: Helicopter, changes: Mapping[str, Any]) -> Helicopt
             raise ConfigurationError(f"{source}: there is no key {pattern} in a helicopter.")
         for keys in paths:
             path = ".".join(str(key) for key in keys)
-            plain, new = split(_plain(given), source, path)
+            plain, new = split(plain_copy(given), source, path)
             functools.reduce(lambda node, key: node[key], keys[:-1], document)[keys[-1]] = plain
             marks = [m for m in marks if not _touches(m["path"], path)] + new
     return helicopter_from({**document, "provenance": marks}, source)
@@ -149,17 +148,6 @@ def _expand(node: Any, keys: list[str]) -> list[list[Any]]:
 
 def _touches(marked: str, changed: str) -> bool:
     return (marked + ".").startswith(changed + ".") or (changed + ".").startswith(marked + ".")
-
-
-def _plain(value: Any) -> Any:
-    """Turn NumPy numbers and tuples into what a document holds."""
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {key: _plain(child) for key, child in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(child) for child in value]
-    return value
 
 
 def _one_sentence(error: ValidationError, source: str) -> ConfigurationError:

@@ -41,15 +41,25 @@ def check_oleo(oleo: GasOleo, stroke: float) -> None:
         )
     slope, x = _least_slope_region2(oleo)
     if x < stroke and slope < -FALL_TOLERANCE * oleo.extension_stiffness_Npm:
-        force, _ = oleo.gas_force(oleo.x0_m)
         raise refuse(
             "spring.extension_stiffness_Npm",
             oleo.extension_stiffness_Npm,
             f"the oleo force must not fall with compression, but at x = {x:.4g} m (region 2) its slope is {slope:.4g} "
-            f"N/m; up to 3 F(x0)/x0 = {max(3.0 * force / oleo.x0_m, 0.0):.4g} N/m is always allowed",
+            f"N/m; {_allowed_stiffness(oleo)}",
         )
     _check_cubic("1", oleo.region4, oleo.x1_m, min(oleo.x2_m, stroke))
     _check_cubic("2", oleo.region5, oleo.x2_m, stroke)
+
+
+def _allowed_stiffness(oleo: GasOleo) -> str:
+    """Words for the stiffness below which region 2 never falls: a cubic rises if both end slopes are <= 3 F(x0)/x0."""
+    force, end_slope = oleo.gas_force(oleo.x0_m)
+    if end_slope * oleo.x0_m <= 3.0 * force:
+        return f"up to 3 F(x0)/x0 = {3.0 * force / oleo.x0_m:.4g} N/m is always allowed"
+    return (
+        f"3 F(x0)/x0 and less would be allowed if F'(x0) x0, here {end_slope * oleo.x0_m:.4g} N, were at most "
+        f"3 F(x0), here {3.0 * force:.4g} N (a shorter x0_m, a higher gas pressure)"
+    )
 
 
 def _least_slope_region2(oleo: GasOleo) -> tuple[float, float]:

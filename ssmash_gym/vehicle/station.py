@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, model_validator
 
@@ -11,12 +12,35 @@ from ssmash_gym.vehicle.checks import check_oleo, check_swing_arm
 from ssmash_gym.vehicle.oleo import EndStop, GasOleo, LinearStrut
 from ssmash_gym.vehicle.tire import Tire
 
+WIDEST_PLAY_RAD: Final = 0.35  # 20 deg: the kernel's angle is 1 % too large there
+FASTEST_STOP_RADPS: Final = 250.0  # of the carriage against the stop of its play: 0.5 / substep at 2 ms
+LEAST_STOP_DAMPING: Final = 0.05  # of that oscillation, over the critical one
+ROUNDING: Final = 1.0e-9  # of the two limits
+
 
 class SwingArm(Part):
     """Where the spring element of a swing arm is mounted."""
 
     helicopter_point_m: Vector = Field(description="Mount on the helicopter, H axes, r_HP1 (lines 26-28) [m]")
     arm_point_m: Vector = Field(description="Mount on the arm, O axes, r_OP2 (lines 29-31) [m]")
+
+
+class SteerPlay(Part):
+    """Free play of a locked steering: the wheels turn freely within it, against a spring and a damper beyond.
+
+    Friction and damping about the steer axis act as in a free steering. The explicit fixed step feeds an undamped
+    oscillation of the wheels against the stop, the more the higher its circular frequency is: of a wheel in the air,
+    without any friction, the rate grows by a third to twofold in 4 s at 125 rad/s and 2 ms, and without bound at 250
+    rad/s. With 5 % of the critical damping it dies away at both. A station therefore refuses a stop beyond
+    `FASTEST_STOP_RADPS` or with less than `LEAST_STOP_DAMPING`. At a substep beyond 2 ms the frequency must be lower,
+    0.5 / substep; nothing checks that.
+    """
+
+    play_rad: Annotated[NonNegative, Field(le=WIDEST_PLAY_RAD)] = Field(
+        description="Free play to either side of the lock [rad]"
+    )
+    stop_stiffness_Nmprad: Positive = Field(description="Stiffness of the lock beyond the play [N m/rad]")
+    stop_damping_Nmspr: NonNegative = Field(description="Damping of the lock beyond the play [N m s/rad]")
 
 
 class Station(Part):
@@ -44,6 +68,9 @@ class Station(Part):
     )
     steer_damping_Nmspr: NonNegative = Field(description="Steer damping (line 36) [N m s/rad]")
     steer_decay_spr: Positive = Field(description="Decay constant of the steer friction, beta [s/rad]")
+    steer_play: SteerPlay | None = Field(
+        default=None, description="Free play about the lock; for a prismatic station with locked steering only"
+    )
     spring: Annotated[GasOleo | LinearStrut, Field(discriminator="type")] = Field(
         description="Force-generating element (lines 62-68)"
     )
@@ -70,6 +97,43 @@ class Station(Part):
             raise refuse(
                 "droop_m", self.droop_m, "the carriage must lie below the mount: its z component must be positive"
             )
+        if self.steer_play is not None and (self.kind != "prismatic" or self.steering != "locked"):
+            raise refuse(
+                "steer_play",
+                self.steer_play.play_rad,
+                "only a prismatic station with locked steering may have free play; leave the key steer_play out",
+            )
+        if self.steer_play is not None:
+            _check_stop(self.steer_play, self.inertia_kgm2[2][2])
         if isinstance(self.spring, GasOleo):
             check_oleo(self.spring, self.end_stop.stroke_m)
         return self
+
+
+def _check_stop(play: SteerPlay, inertia_kgm2: float) -> None:
+    """Refuse a stop against which the fixed step would feed the wheels' oscillation.
+
+    Args:
+        play: Play and stop.
+        inertia_kgm2: Of the carriage about its own upright axis, the least that the stop can find [kg m2].
+
+    Raises:
+        PydanticCustomError: It is too stiff, or too little damped.
+    """
+    stiffest = FASTEST_STOP_RADPS**2 * inertia_kgm2
+    if play.stop_stiffness_Nmprad > (1.0 + ROUNDING) * stiffest:
+        raise refuse(
+            "steer_play.stop_stiffness_Nmprad",
+            play.stop_stiffness_Nmprad,
+            f"with the carriage's Izz of {inertia_kgm2:g} kg m2 it must be at most {stiffest:.6g} N m/rad, since the "
+            f"step resolves no oscillation beyond {FASTEST_STOP_RADPS:g} rad/s",
+        )
+    least = 2.0 * LEAST_STOP_DAMPING * math.sqrt(play.stop_stiffness_Nmprad * inertia_kgm2)
+    if play.stop_damping_Nmspr < (1.0 - ROUNDING) * least:
+        raise refuse(
+            "steer_play.stop_damping_Nmspr",
+            play.stop_damping_Nmspr,
+            f"with this stiffness and the carriage's Izz of {inertia_kgm2:g} kg m2 it must be at least "
+            f"{least:.6g} N m s/rad, {100.0 * LEAST_STOP_DAMPING:g} % of the critical damping, or the wheels' "
+            "oscillation against the stop would grow by the step's own error",
+        )

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ssmash_gym.dynamics import reference
-from ssmash_gym.dynamics.channels import OUTPUT_ROWS, Out
-from ssmash_gym.dynamics.layout import ODE_ROWS, SPEEDS, STATE_ROWS, Par, State
-from ssmash_gym.dynamics.reference import Problem, integrate
+from ssmash_gym.dynamics.channels import OUTPUT_ROWS, STATION_OUT, STATION_OUT_ROWS, Out, StaOut
+from ssmash_gym.dynamics.layout import ODE_ROWS, SPEEDS, STATE_ROWS, STATIONS, Par, State
+from ssmash_gym.dynamics.reference import Method, Problem, Reference, integrate
 from ssmash_gym.ship import Sinusoid
 from ssmash_gym.ship.wind import Gust
 from ssmash_gym.simulation.batch import Batch, ClawLimits, Timing
 from ssmash_gym.vehicle import load_helicopter
+from tests.dynamics.on_deck import brake
 
 COMMANDS = np.array([[0.8, 0.0], [0.8, 0.5], [-0.2, 0.5], [0.0, -1.0], [0.0, 0.0]])
 
@@ -113,11 +113,79 @@ def test_without_a_moving_claw_there_is_nothing_to_stop_at() -> None:
     assert reference._segments(problem(prepared())) == [0, 50, 100, 150, 200, 250]
 
 
-def test_a_solver_that_gives_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    failure = SimpleNamespace(success=False, t=np.array([0.0, 0.042]), message="step size too small")
-    monkeypatch.setattr(reference, "solve_ivp", lambda *_, **__: failure)
-    with pytest.raises(RuntimeError, match=r"LSODA gave up at t = 0\.042 s: step size too small"):
-        integrate(problem(prepared()), "LSODA")
+# --- every method -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def drop() -> Problem:
+    """The generic tricycle of section 3.2.1, wheels and steering locked, let fall from 2.7 m; 3 s."""
+    batch = Batch(load_helicopter("generic_tricycle"), 1)
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    brake(batch)
+    batch.parameters[[Par.LOCK + State.U14 + 2 * i for i in range(STATIONS)]] = 1.0
+    batch.state[State.Q10] = -2.7
+    return problem(batch, np.zeros((30, 2)))
+
+
+def largest(found: Reference) -> np.ndarray:
+    """Peaks of the tire loads, the compressions and the pitch."""
+    stations = [STATION_OUT + i * STATION_OUT_ROWS for i in range(STATIONS)]
+    rows = [base + row for base in stations for row in (StaOut.VERTICAL_LOAD, StaOut.COMPRESSION)]
+    return np.max(np.abs(found.outputs[[*rows, Out.PITCH]]), axis=1)
+
+
+@pytest.fixture(scope="module")
+def expected(drop: Problem) -> Reference:
+    return integrate(drop, "DOP853", rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["Adams", "Gear", "LSODA", "RK45"])
+def test_every_method_finds_the_same_drop(method: Method, drop: Problem, expected: Reference) -> None:
+    done: list[float] = []
+    found = integrate(drop, method, rtol=1e-6, atol=1e-8, progress=done.append)
+    np.testing.assert_allclose(largest(found), largest(expected), rtol=1e-3)
+    assert np.min(largest(expected)[:6]) > 0.3 and largest(expected)[-1] > 0.01
+    assert 1000 < found.evaluations < 50_000
+    assert done == sorted(done) and len(done) > 20
+    assert done[0] > 0.0 and done[-1] == 1.0
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Adams", "Gear", "LSODA"])
+def test_no_step_is_longer_than_it_may_be(method: Method) -> None:
+    """As one rigid body high in the air: nothing but `max_step` holds a solver back."""
+    batch = prepared()
+    batch.parameters[Par.LOCK + State.U13 : Par.LOCK + SPEEDS] = 1.0
+    batch.state[State.TIRE : State.CLAW_X] = 0.0
+    batch.parameters[Par.PROBE_ACTIVE] = 0.0
+    batch.state[State.Q10] -= 100.0
+    fall = problem(batch, np.zeros((5, 2)))
+    free, bounded = (integrate(fall, method, rtol=1e-5, max_step=longest) for longest in (None, 0.001))
+    assert free.evaluations < 450 < bounded.evaluations
+    np.testing.assert_allclose(bounded.states[State.Q10], free.states[State.Q10], rtol=1e-5)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "LSODA", "RK45", "Radau", "BDF", "Adams", "Gear"])
+def test_a_solver_that_gets_nowhere_is_stopped(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference, "SPARE_EVALUATIONS", 40)
+    monkeypatch.setattr(reference, "EVALUATIONS_PER_S", 0)
+    with pytest.raises(RuntimeError, match=rf"^{method} gave up at t = 0[.0-9e-]* s: 40 right-hand sides are used up$"):
+        integrate(problem(prepared(), COMMANDS[:1]), method)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "LSODA", "RK45", "Radau", "BDF", "Adams", "Gear"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_numbers_that_are_none_end_a_run(method: Method) -> None:
+    broken = problem(prepared(), np.zeros((1, 2)))
+    broken.parameters[Par.MASS] = np.nan
+    with pytest.raises(RuntimeError, match=rf"^{method} gave up (at|by) t = "):
+        integrate(broken, method)
+
+
+@pytest.mark.parametrize("method", ["Adams", "Gear"])
+def test_a_multistep_solver_tells_why_it_gives_up(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference, "MOST_STEPS", 2)
+    with pytest.raises(RuntimeError, match=rf"^{method} gave up at t = 0 s: vode: Excess work done"):
+        integrate(problem(prepared(), COMMANDS[:1]), method)
 
 
 def test_what_is_locked_stays() -> None:

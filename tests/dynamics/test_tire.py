@@ -122,7 +122,7 @@ def test_steady_yawed_rolling_without_friction_limit_is_the_steady_law(phi: floa
 
 
 @pytest.mark.parametrize("phi", [0.4, 1.2, 1.5, 2.0, 2.9])
-def test_limit_surface_costs_at_most_three_percent_of_the_steady_side_force(phi: float) -> None:
+def test_limit_surface_costs_at_most_three_and_a_half_percent_of_the_steady_side_force(phi: float) -> None:
     angle = phi * GRIP / (K["k_y"] * K["L_0"])
     v = (0.3, 0.3 * np.tan(angle), 0.0)
     share = evaluate(P, DZ, v, roll_on(P, v)).F_y[0] / GRIP

@@ -63,7 +63,7 @@ def test_the_spring_is_smooth_across_all_its_regions(tricycle: Helicopter, seaha
 
 def test_absolute_pressures_and_lengths(tricycle: Helicopter, seahawk: Helicopter) -> None:
     column = parameter_column(tricycle)
-    assert column[TIRE_PAR + Tir.P_ABS] == 1000400.0 + 101325.0
+    assert column[TIRE_PAR + Tir.P_ABS] == tricycle.stations.auxiliary.tires[0].pressure_Pa + 101325.0
     column = parameter_column(seahawk)
     right = Par.STATION + STATION_ROWS
     r_P1, r_P2 = column[right + Sta.P1 : right + Sta.P1 + 3], column[right + Sta.P2 : right + Sta.P2 + 3]
@@ -92,6 +92,22 @@ def test_locks(tricycle: Helicopter, seahawk: Helicopter) -> None:
     assert list(locked[Par.LOCK : Par.LOCK + 12]) == [0] * 7 + [1, 0, 1, 0, 1]
     assert [locked[Par.STATION + i * STATION_ROWS + Sta.ROLL_LOCK] for i in range(3)] == [1, 1, 1]
     assert list(parameter_column(seahawk)[Par.LOCK + State.U13 : Par.LOCK + 12]) == [0, 0, 0, 1, 0, 1]
+
+
+def test_a_lock_with_free_play_is_no_lock_but_a_stop(tricycle: Helicopter) -> None:
+    play = {"play_rad": 0.02, "stop_stiffness_Nmprad": 1.0e5, "stop_damping_Nmspr": 300.0}
+    half = 0.1  # of the angle at which the wheel is locked
+    changed = with_changes(
+        tricycle,
+        {"stations.right.steer_play": play, "stations.right.orientation": [np.cos(half), 0.0, 0.0, np.sin(half)]},
+    )
+    column = parameter_column(changed)
+    assert list(column[Par.LOCK : Par.LOCK + 12]) == [0] * 11 + [1]
+    assert list(mode_vector(changed)[Mode.PLAY : Mode.PLAY + 3]) == [0, 1, 0]
+    assert not mode_vector(tricycle)[Mode.PLAY : Mode.PLAY + 3].any()
+    rows = column[Par.STATION + STATION_ROWS :][:STATION_ROWS]
+    assert list(rows[[Sta.STEER_PLAY, Sta.STEER_STOP_K, Sta.STEER_STOP_C]]) == [0.02, 1.0e5, 300.0]
+    np.testing.assert_allclose(rows[[Sta.STEER_COS, Sta.STEER_SIN]], [np.cos(half), np.sin(half)], rtol=1e-12)
 
 
 # --- modes ---------------------------------------------------------------------------------------------------
@@ -134,14 +150,15 @@ def test_an_unknown_law_is_refused() -> None:
 def test_full_droop_hangs_the_lowest_tire_on_the_deck(tricycle: Helicopter, seahawk: Helicopter) -> None:
     state = droop_state(tricycle)
     assert state.shape == (STATE_ROWS,)
-    assert list(state[State.Q8 : State.Q11]) == pytest.approx([0.0, 0.0, -2.6253])
+    foot = lowest_points(tricycle.stations.auxiliary)[:, 2].max()
+    assert list(state[State.Q8 : State.Q11]) == pytest.approx([0.0, 0.0, -foot])
     assert list(state[State.Q11 : State.Q15]) == [1, 0, 0, 0]
     for row in (State.Q15, State.Q20, State.Q25):
         assert list(state[row : row + 5]) == [1.0, 1, 0, 0, 0]
     assert state[State.PROBE_CAPTURED] == 1.0
     assert not state[: State.Q8].any()
     assert droop_state(seahawk)[State.Q20] == 0.44
-    assert droop_state(with_changes(tricycle, {"cg_offset_m": [0, 0, 0.2]}))[State.Q10] == pytest.approx(-2.4253)
+    assert droop_state(with_changes(tricycle, {"cg_offset_m": [0, 0, 0.2]}))[State.Q10] == pytest.approx(0.2 - foot)
 
 
 def test_the_drop_can_start_where_one_says(tricycle: Helicopter) -> None:

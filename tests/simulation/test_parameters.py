@@ -23,6 +23,7 @@ from ssmash_gym.simulation.parameters import droop_state, mode_vector, parameter
 from ssmash_gym.vehicle import Helicopter, load_helicopter, with_changes
 
 STATIONS = ("auxiliary", "right", "left")
+PLAY_SECTION = {"play_rad": 0.0175, "stop_stiffness_Nmprad": 1.2e5, "stop_damping_Nmspr": 350.0}
 UPPER = {"0.0": 0, "0.1": 1, "0.2": 2, "1.1": 3, "1.2": 4, "2.2": 5}
 LINEAR = {"type": "linear_strut", "stiffness_Npm": 2.1e5, "damping_Nspm": 1.3e4}
 
@@ -76,6 +77,12 @@ STATION = {
     "end_stop.stroke_m": Sta.STROKE,
     "end_stop.stiffness_Npm": Sta.STOP_K,
     "end_stop.damping_Nspm": Sta.STOP_C,
+}
+
+PLAY = {
+    "steer_play.play_rad": Sta.STEER_PLAY,
+    "steer_play.stop_stiffness_Nmprad": Sta.STEER_STOP_K,
+    "steer_play.stop_damping_Nmspr": Sta.STEER_STOP_C,
 }
 
 ARM = {
@@ -150,7 +157,7 @@ TIRE = {
 # Rows that other parts of the simulation fill, and rows worked out from several values.
 SCENARIO = set(range(Par.CLAW_Z, Par.RIPPLE_PHASE + 1)) | set(range(Par.WRENCH_H, Par.STATION))
 SWITCHES = {int(Par.PROBE_ACTIVE), *range(Par.LOCK, Par.LOCK + 12)}
-STATION_DERIVED = {Sta.LENGTH, Sta.R2_C, Sta.R2_D}
+STATION_DERIVED = {Sta.LENGTH, Sta.R2_C, Sta.R2_D, Sta.STEER_COS, Sta.STEER_SIN}
 
 
 def rows_of(helicopter: Helicopter) -> dict[str, int]:
@@ -161,6 +168,8 @@ def rows_of(helicopter: Helicopter) -> dict[str, int]:
         rows |= {f"stations.{name}.{path}": base + row for path, row in STATION.items()}
         if station.arm is not None:
             rows |= {f"stations.{name}.{path}": base + row for path, row in ARM.items()}
+        if station.steer_play is not None:
+            rows |= {f"stations.{name}.{path}": base + row for path, row in PLAY.items()}
         if station.spring.type == "gas_oleo":
             rows |= {f"stations.{name}.spring.{path}": base + row for path, row in OLEO.items()}
         else:
@@ -203,9 +212,19 @@ def distinct(helicopter: Helicopter) -> Helicopter:
     return with_changes(helicopter, changes)
 
 
+def with_play(helicopter: Helicopter) -> Helicopter:
+    """Free play on all stations that may have it."""
+    changes = {f"stations.{s}.steering": "locked" for s in STATIONS}
+    stations = zip(STATIONS, helicopter.station_tuple, strict=True)
+    changes |= {f"stations.{s}.steer_play": PLAY_SECTION for s, station in stations if station.kind == "prismatic"}
+    return with_changes(helicopter, changes)
+
+
+@pytest.mark.parametrize("play", [False, True])
 @pytest.mark.parametrize("name", ["generic_tricycle", "seahawk_like"])
-def test_each_number_stands_in_its_own_row_and_no_row_is_forgotten(name: str) -> None:
-    helicopter = distinct(load_helicopter(name))
+def test_each_number_stands_in_its_own_row_and_no_row_is_forgotten(name: str, play: bool) -> None:
+    helicopter = load_helicopter(name)
+    helicopter = distinct(with_play(helicopter) if play else helicopter)
     column = parameter_column(helicopter)
     assert column.shape == (PARAMETER_ROWS,)
     assert np.isfinite(column).all()
@@ -219,10 +238,14 @@ def test_each_number_stands_in_its_own_row_and_no_row_is_forgotten(name: str) ->
     for i, station in enumerate(helicopter.station_tuple):
         base = Par.STATION + i * STATION_ROWS
         filled |= {base + row for row in (*STATION_DERIVED, Sta.ROLL_LOCK, Sta.LINEAR_K, Sta.LINEAR_C)}
-        if station.arm is None:
-            unused = range(base + Sta.P1, base + Sta.LENGTH + 1)
-            assert not column[list(unused)].any()
-            filled |= set(unused)
+        for part, first, last in (
+            (station.arm, Sta.P1, Sta.LENGTH),
+            (station.steer_play, Sta.STEER_PLAY, Sta.STEER_SIN),
+        ):
+            if part is None:
+                unused = range(base + first, base + last + 1)
+                assert not column[list(unused)].any()
+                filled |= set(unused)
         for k in range(2):
             start = TIRE_PAR + (2 * i + k) * TIRE_ROWS
             if k < len(station.tires):
@@ -272,7 +295,7 @@ def test_changing_any_number_changes_the_tables(name: str) -> None:
     """No exceptions: each number changes the parameter column, the modes or the initial state."""
     helicopter = load_helicopter("generic_tricycle" if name == "struts" else name)
     if name == "struts":
-        helicopter = with_changes(helicopter, {"stations.*.spring": LINEAR})
+        helicopter = with_play(with_changes(helicopter, {"stations.*.spring": LINEAR}))
     helicopter = helicopter.model_copy(update={"provenance": ()})  # lighter: the marks do not matter here
     before = snapshot(helicopter)
     dumped = helicopter.model_dump(mode="json", exclude={"provenance"})
@@ -300,6 +323,7 @@ def test_changing_any_entry_of_an_inertia_tensor_changes_the_tables(
     [
         ("stations.auxiliary.steering", "locked"),
         ("stations.auxiliary.rolling", "locked"),
+        ("stations.right.steer_play", PLAY_SECTION),
         ("stations.left.tires.1.type", "I"),
         ("stations.left.spring", LINEAR),
         ("tire_model", "linear"),
