@@ -45,5 +45,10 @@ def whole_files(targets: Iterable[Path]) -> Iterator[dict[Path, Path]]:
                 folders[target.parent] = Path(stack.enter_context(folder))
             staged[target] = folders[target.parent] / target.name
         yield staged
+        for target in staged:
+            if target.is_dir():
+                raise IsADirectoryError(
+                    f"{target}: this is a folder, a file was to be written there; nothing was written."
+                )
         for target, place in staged.items():
             place.replace(target)

@@ -95,8 +95,10 @@ class Solution(CaseSection):
         None, description="longest spacing of the nodes of deck and claw; null: 0.25 s, 0.02 s where the claw moves [s]"
     )
     substep_s: Annotated[Positive, Field(le=0.005)] = Field(0.002, description="step of the engine [s]")
-    rtol: Positive = Field(1.0e-6, description="relative tolerance of the other solvers")
-    atol: Positive = Field(1.0e-8, description="absolute tolerance of the other solvers")
+    rtol: Annotated[Positive, Field(ge=1.0e-13, le=0.1)] = Field(
+        1.0e-6, description="relative tolerance of the other solvers"
+    )
+    atol: Annotated[Positive, Field(le=0.1)] = Field(1.0e-8, description="absolute tolerance of the other solvers")
     equilibrium: bool = Field(False, description="find the rest on the deck as it stands at the start; no time passes")
 
     @model_validator(mode="after")

@@ -196,8 +196,8 @@ def _within(case: Case, motion: Motion, spacing: float) -> float:
     asked = max(solution.end_s - solution.start_s, spacing)
     if asked > whole + 1e-6:
         raise ConfigurationError(
-            f"case {case.name}: solution.end_s = {solution.end_s:g} is refused: the deck's record covers the time up "
-            f"to {solution.start_s + max(whole, 0.0):g} s in whole nodes of {spacing:g} s."
+            f"case {case.name}: solution.end_s = {solution.end_s:g} is refused: the deck's record lasts "
+            f"{motion.duration_s:g} s, of which whole nodes of {spacing:g} s are used."
         )
     return min(spacing * math.ceil(asked / spacing - 1e-6), whole)
 

@@ -19,6 +19,7 @@ from ssmash_gym.simulation.settle import probe_point, turn
 Array = NDArray[np.float64]
 # Largest acceleration left in a rest [m/s2, rad/s2]; where wheels roll down a sloping deck there is none to be found.
 AT_REST: Final = 1.0e-6
+SLACK_M: Final = 0.05  # by which a strut may be longer than at full droop, or past its end stop
 
 
 class Settled(CaseSection):
@@ -82,6 +83,8 @@ def place(batch: Batch, start: Settled | Drop | Given, name: str) -> None:
     if isinstance(start, Settled):
         _settle(batch, start, name)
         return
+    if isinstance(start, Given):
+        _check(batch, start, name)
     batch.state[:, 0] = _dropped(batch, start) if isinstance(start, Drop) else _given(batch, start)
     batch.state[State.CLAW_X : State.CLAW_Y + 1, 0] = probe_point(batch, np.arange(1))[:, 0]
 
@@ -119,6 +122,26 @@ def _given(batch: Batch, start: Given) -> Array:
     state[State.U7 : State.U9 + 1] = start.velocity_mps
     state[State.U10 : State.U12 + 1] = start.angular_velocity_radps
     return state
+
+
+def _check(batch: Batch, start: Given, name: str) -> None:
+    """Refuse a start that no run can begin with.
+
+    Raises:
+        ConfigurationError: A prismatic strut is out of its stroke, or the c.g. lies below the deck.
+    """
+    if start.position_m[2] >= 0.0:
+        raise ConfigurationError(
+            f"case {name}: start.position_m = {start.position_m} is refused: the body's c.g. must lie above the deck, "
+            "its z is negative there."
+        )
+    for station, strut in zip(batch.helicopters[0].station_tuple, start.strut_m, strict=True):
+        droop, stroke = station.droop_m[2], station.end_stop.stroke_m
+        if station.kind == "prismatic" and not droop - stroke - SLACK_M <= strut <= droop + SLACK_M:
+            raise ConfigurationError(
+                f"case {name}: start.strut_m = {start.strut_m} is refused: each prismatic strut must be between its "
+                f"length at the end stop and at full droop, one of them {droop - stroke:g} to {droop:g} m."
+            )
 
 
 def _unit(parameters: tuple[float, ...]) -> Array:
