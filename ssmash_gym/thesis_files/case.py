@@ -20,14 +20,15 @@ from ssmash_gym.thesis_files import sidecar as sidecars
 from ssmash_gym.thesis_files.conditions import last_row, rounded
 from ssmash_gym.thesis_files.defaults import CASE
 from ssmash_gym.thesis_files.folder import SIDECAR, Folder
-from ssmash_gym.thesis_files.helicopter import ORIENTATIONS
-from ssmash_gym.thesis_files.kept import KEPT, RECORDS, kept_lines
+from ssmash_gym.thesis_files.helicopter import ORIENTATIONS, PRISMATIC, tilt
+from ssmash_gym.thesis_files.kept import KEPT, RECORDS, checked, kept_lines
 from ssmash_gym.thesis_files.layout import Table
 from ssmash_gym.thesis_files.paths import MISSING, get, pattern
 from ssmash_gym.thesis_files.reading import Rows, read_table
 from ssmash_gym.thesis_files.run_layout import FILES
 from ssmash_gym.vehicle import Helicopter, document_of, helicopter_from, load_helicopter, with_changes
 
+TILTED: Final = 1.0e-3  # rad between two axes o_z that are told to differ
 MOST_ROWS: Final = 250_000  # of output: half a gigabyte
 
 
@@ -95,6 +96,13 @@ def _adjusted(source: Folder) -> Iterator[str]:
         if rounded(row := source.numbers[key][line - 1]):
             norm = math.hypot(*row)
             yield f"{FILES[key].name} line {line}: Euler parameters of norm {norm:.6f} are normalised"
+    heli, initials = source.numbers["heli"], source.numbers["initials"]
+    for i, line in enumerate(ORIENTATIONS):
+        droop, start = heli[line - 1], initials[3 + i]
+        if heli[31][i] == PRISMATIC and any(droop) and tilt(droop, start) > TILTED:
+            yield (
+                f"initials.inp line {4 + i} counts, not heli.inp line {line}: they differ by more than a turn about o_z"
+            )
     solution = source.numbers["solution"]
     if (last := last_row(solution)) != solution[0][1]:
         yield f"solution.inp line 1: the last row is at {last:g} s, the last whole step before the end"
@@ -108,9 +116,7 @@ def case_of(document: Mapping[str, Any], source: str, folder: Path | None = None
     """
     kept = document.get(KEPT, {})
     case = case_from({key: value for key, value in document.items() if key != KEPT}, source, folder)
-    if not isinstance(kept, dict) or not all(isinstance(lines, dict) for lines in kept.values()):
-        raise ConfigurationError(f"{source}: {KEPT} must hold lines of numbers by file.")
-    return case, kept
+    return case, checked(kept, source)
 
 
 @contextmanager

@@ -87,7 +87,7 @@ def completed(model: type[BaseModel], document: Mapping[str, Any]) -> dict[str, 
 
 
 def _completed_value(annotation: Any, value: Any) -> Any:
-    models = _models(annotation)
+    models = models_of(annotation)
     if isinstance(value, list) and models and all(isinstance(entry, Mapping) for entry in value):
         return [_completed_value(annotation, entry) for entry in value]
     if not isinstance(value, Mapping) or not models:
@@ -99,10 +99,11 @@ def _completed_value(annotation: Any, value: Any) -> Any:
     return value
 
 
-def _models(annotation: Any) -> list[type[BaseModel]]:
+def models_of(annotation: Any) -> list[type[BaseModel]]:
+    """The models that a value of an annotation may be of, or be made up of."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    return [model for argument in get_args(annotation) for model in _models(argument)]
+    return [model for argument in get_args(annotation) for model in models_of(argument)]
 
 
 def _plain(value: Any) -> Any:

@@ -19,6 +19,7 @@ from ssmash_gym.thesis_files.paths import MISSING, get, put, with_lists
 from ssmash_gym.thesis_files.reading import Row, Rows
 from ssmash_gym.vehicle import GasOleo, Helicopter
 
+PRISMATIC: Final = 1  # on line 32
 ORIENTATIONS: Final = (23, 24, 25)  # lines of Euler parameters
 # Points that the description gives from its reference point, the files from the c.g.
 _POINTS: Final = (
@@ -85,6 +86,15 @@ def unsteered(parameters: Sequence[float]) -> tuple[float, float, float, float]:
         return e0, e1, e2, e3
     c, s = e0 / turn, e3 / turn
     return turn, c * e1 - s * e2, c * e2 + s * e1, 0.0
+
+
+def tilt(one: Sequence[float], other: Sequence[float]) -> float:
+    """Angle between the z axes of two frames [rad], from their Euler parameters O to H."""
+    a0, a1, a2, a3 = one
+    b0, b1, b2, b3 = other
+    x = a0 * b1 - a1 * b0 - a2 * b3 + a3 * b2
+    y = a0 * b2 + a1 * b3 - a2 * b0 - a3 * b1
+    return 2.0 * math.asin(min(1.0, math.hypot(x, y)))
 
 
 def rows(filed: Mapping[str, Any]) -> Rows:

@@ -12,7 +12,8 @@ from typing import Any, Final
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.thesis_files import document as documents
 from ssmash_gym.thesis_files.folder import LINED, Folder
-from ssmash_gym.thesis_files.reading import Rows
+from ssmash_gym.thesis_files.layout import Table
+from ssmash_gym.thesis_files.reading import Rows, check_row
 from ssmash_gym.thesis_files.run_layout import FILES
 
 KEPT: Final = "thesis_files"
@@ -31,22 +32,36 @@ def kept_lines(source: Folder, filed: Mapping[str, Any]) -> dict[str, Any]:
     return kept
 
 
-def put_back(numbers: dict[str, Rows], kept: Mapping[str, Any], filed: Mapping[str, Any]) -> None:
-    """Put kept lines back, each where the files still say the same with it.
+def checked(kept: Any, source: str) -> dict[str, dict[str, list[float]]]:
+    """Kept lines of a document, each with numbers that its file may hold.
 
     Raises:
-        ConfigurationError: A kept line is not one of the file.
+        ConfigurationError: One is no line of its file; told with the name of the document.
     """
+    if not isinstance(kept, dict) or not all(isinstance(lines, dict) for lines in kept.values()):
+        raise ConfigurationError(f"{source}: {KEPT} must hold lines of numbers by file.")
+    found: dict[str, dict[str, list[float]]] = {}
     for file, lines in kept.items():
         key = next((key for key in LINED if FILES[key].name == file), None)
         if key is None:
-            raise ConfigurationError(f"{KEPT}: there is no file {file}; allowed are {_listed(LINED)}.")
+            raise ConfigurationError(f"{source}: {KEPT}: there is no file {file}; allowed are {_listed(LINED)}.")
+        lined = FILES[key].content
+        assert not isinstance(lined, Table)
+        content = {f"line_{line.number}": line for line in lined}
         for name, row in lines.items():
+            if name not in content or not isinstance(row, list):
+                raise ConfigurationError(f"{source}: {KEPT}.{file}.{name}: this is no line of {file}.")
+            numbers = check_row(f"{source}: {KEPT}.{file}.{name}", content[name], row)
+            found.setdefault(file, {})[name] = list(numbers)
+    return found
+
+
+def put_back(numbers: dict[str, Rows], kept: Mapping[str, Mapping[str, list[float]]], filed: Mapping[str, Any]) -> None:
+    """Put kept lines, see `checked`, back: each where the files still say the same with it."""
+    for key in LINED:
+        for name, row in kept.get(FILES[key].name, {}).items():
             rows = list(numbers[key])
-            k = int(name[5:]) - 1 if isinstance(name, str) and name[:5] == "line_" and name[5:].isdigit() else -1
-            if not 0 <= k < len(rows) or not isinstance(row, list) or len(row) != len(rows[k]):
-                raise ConfigurationError(f"{KEPT}.{file}.{name}: this is no line of {file}.")
-            rows[k] = tuple(float(number) for number in row)
+            rows[int(name.removeprefix("line_")) - 1] = tuple(row)
             tried = {**numbers, key: tuple(rows)}
             records = {record: filed[record].get("path", "") for record in RECORDS}
             if documents.from_numbers(tried, filed["name"], records, set())[0] == dict(filed):

@@ -199,16 +199,32 @@ def _repeat(word: str) -> tuple[int, str]:
 
 def _check(place: Place, line: Line, k: int, number: float, word: str) -> None:
     """Refuse a number that cannot be what the column holds."""
-    column = line.columns[k]
-    sound = math.isfinite(number) and abs(number) <= GREATEST
-    if sound and column.integer:
-        sound = number == int(number)
-    if sound and column.choices:
-        sound = int(number) in column.choices
-    if sound and column.least is not None:
-        sound = number >= column.least
-    if not sound:
+    if not sound(line.columns[k], number):
         raise place.refused(_expected(line, k, word), k + 1)
+
+
+def sound(column: Column, number: float) -> bool:
+    """Whether a number can be what a column holds."""
+    if not (math.isfinite(number) and abs(number) <= GREATEST) or (column.integer and number != int(number)):
+        return False
+    if column.choices and int(number) not in column.choices:
+        return False
+    return column.least is None or number >= column.least
+
+
+def check_row(where: str, line: Line, row: Sequence[object]) -> Row:
+    """The numbers of a line that stands elsewhere than in its file.
+
+    Raises:
+        ConfigurationError: They are not what the line holds; told with ``where``.
+    """
+    if len(row) != len(line.columns):
+        raise ConfigurationError(f"{where}: expected {_count(len(line.columns))} ({_holds(line)}), found {len(row)}.")
+    for k, entry in enumerate(row):
+        number = float(entry) if isinstance(entry, int | float) and not isinstance(entry, bool) else math.nan
+        if not sound(line.columns[k], number):
+            raise ConfigurationError(f"{where}, column {k + 1}: {_expected(line, k, str(entry))}.")
+    return tuple(float(str(entry)) for entry in row)
 
 
 def _expected(line: Line, k: int, word: str) -> str:

@@ -15,12 +15,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from pydantic import BaseModel
+
+from ssmash_gym.cases import Case
 from ssmash_gym.document import Mark, join, read_yaml, split, write_yaml
 from ssmash_gym.errors import ConfigurationError, refusal
+from ssmash_gym.thesis_files.document import models_of
 from ssmash_gym.thesis_files.folder import SIDECAR, digest
 from ssmash_gym.thesis_files.heli_layout import HELI
 from ssmash_gym.thesis_files.paths import MISSING, differences, expand, gathered, get, leaves, put
 from ssmash_gym.thesis_files.reading import Rows
+from ssmash_gym.vehicle import Helicopter
 
 PARTS: Final = ("beyond", "instead", "marks", "written_as")
 HEAD: Final = """\
@@ -38,6 +43,8 @@ _CASE: Final = {
     "claw",
 }
 RECORDS: Final = ("deck.path", "claw.path")
+TYPES: Final = ("deck.type", "claw.type")
+_OF_CHOICE: Final = ("deck.", "claw.", "start.", "helicopter.stations.")  # what is there hangs on choices in the files
 
 
 def _in_files() -> frozenset[str]:
@@ -61,6 +68,13 @@ def in_files(path: str) -> bool:
     return (
         path in IN_FILES or any("*" in known and _fits(known, path) for known in IN_FILES) or path.startswith("start.")
     )
+
+
+def _held(path: str) -> bool:
+    """Whether the files hold a value, the vector that it is an entry of, or a part of it."""
+    if in_files(path) or in_files(_leaf(path)) or path in TYPES:
+        return True
+    return any(_fits(".".join(known.split(".")[: path.count(".") + 1]), path) for known in IN_FILES)
 
 
 def _fits(known: str, path: str) -> bool:
@@ -187,22 +201,25 @@ def apply(
         The plain document, its marks by path, remarks on what is no longer valid, and the paths that it gave.
 
     Raises:
-        ConfigurationError: A path that no case has, or a mark that is not well formed.
+        ConfigurationError: A path that no case has or that the files hold, or a mark that is not well formed.
     """
     document: dict[str, Any] = copy.deepcopy(dict(filed))
     marks: dict[str, Mark] = {}
     remarks: list[str] = []
     given: set[str] = set()
-    for path, entry in _full(sidecar.instead, filed, source, "instead"):
+    gone: list[str] = []
+    for path, entry in _full(sidecar.instead, filed, source, "instead", gone):
         if in_brief(get(filed, path), numbers.get(path)) == entry["file"]:
             _set(document, marks, path, entry["case"], source)
         else:
             remarks.append(f"{path} is taken from the files: they have been changed since {source} was written")
-    for path, value in _full(sidecar.beyond, document, source, "beyond"):
+    for path, value in _full(sidecar.beyond, document, source, "beyond", gone):
+        if _held(path):
+            raise ConfigurationError(f"{source}: beyond.{path} is refused: the files hold it; change it there.")
         _set(document, marks, path, value, source)
         given.add(path)
     dropped = []
-    for path, value in _full(sidecar.marks, document, source, "marks"):
+    for path, value in _full(sidecar.marks, document, source, "marks", gone):
         bare, found = split(value, source, path)
         if bare == get(document, path):
             marks.update({mark["path"]: Mark(**mark) for mark in found})
@@ -210,21 +227,51 @@ def apply(
             dropped.append(path)
     if dropped:
         remarks.append(f"the marks of {', '.join(dropped)} are dropped: the numbers have been changed since")
+    if gone:
+        told = ", ".join(dict.fromkeys(gone))
+        remarks.append(f"dropped from {source}, of what has another type or number in the files now: {told}")
     return document, marks, remarks, given
 
 
-def _full(part: Mapping[str, Any], document: Mapping[str, Any], source: str, name: str) -> Iterator[tuple[str, Any]]:
-    """Entries of a part by full paths.
+def _full(
+    part: Mapping[str, Any], document: Mapping[str, Any], source: str, name: str, gone: list[str]
+) -> Iterator[tuple[str, Any]]:
+    """Entries of a part by full paths; ``gone`` takes the paths that another type or number in the files has removed.
 
     Raises:
-        ConfigurationError: A path that the case does not have.
+        ConfigurationError: A path that no case has.
     """
     for short, value in part.items():
         paths = [path for path in expand(document, short) if get(document, path) is not MISSING]
         if not paths:
-            raise ConfigurationError(f"{source}: {name}.{short} is refused: this case has no such key.")
+            if not (short.startswith(_OF_CHOICE) and _possible(short)):
+                raise ConfigurationError(f"{source}: {name}.{short} is refused: this case has no such key.")
+            gone.append(short)
         for path in paths:
             yield path, value
+
+
+def _possible(path: str) -> bool:
+    """Whether a case of other types and numbers has a path."""
+    head, _, rest = path.partition(".")
+    model: type[BaseModel] = Case
+    if head == "helicopter":
+        model, path = Helicopter, rest
+    return _in(model, path.split("."))
+
+
+def _in(annotation: Any, keys: list[str]) -> bool:
+    if not keys:
+        return True
+    key, rest = keys[0], keys[1:]
+    models = models_of(annotation)
+    entry = key == "*" or key.isdigit()
+    if not models:
+        return entry and _in(annotation, rest)
+    if entry and _in(annotation, rest):
+        return True
+    fields = [field for model in models for known, field in model.model_fields.items() if key in (known, "*")]
+    return any(_in(field.annotation, rest) for field in fields)
 
 
 def _set(document: dict[str, Any], marks: dict[str, Mark], path: str, value: Any, source: str) -> None:

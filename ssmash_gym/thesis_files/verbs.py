@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -76,6 +77,8 @@ def run(case_dir: Annotated[Path, tyro.conf.Positional], out: Path | None = None
         source = load(case_dir)
         case = source.case if solver == "file" else source.case.changed({"solution.solver": solver})
         told = tell(source, case)
+        with made(target, keep=False):
+            pass  # a place that cannot be is refused before the run
         history = ended(case, case_dir)
         told += dict.fromkeys(str(warning.message) for warning in caught)
     for line in told:
@@ -107,19 +110,25 @@ def convert(
     from ssmash_gym.thesis_files.kept import KEPT
     from ssmash_gym.thesis_files.writing import write_case
 
-    given = load(source)
-    for line in given.said:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", ConfigurationWarning)
+        given = load(source)
+        if source.is_dir():
+            write_yaml_case(given.document, out, overwrite)
+        elif out.suffix.lower() in YAML:
+            raise ConfigurationError(
+                f"{out}: expected a folder for the files of {source}, found the name of a case file."
+            )
+        else:
+            written = write_case(given.document, out, sidecar=sidecar, overwrite=overwrite)
+    for line in (*given.said, *dict.fromkeys(str(warning.message) for warning in caught)):
         print(line)
     if source.is_dir():
-        write_yaml_case(given.document, out, overwrite)
         kept = [
             f"{file} {line.replace('_', ' ')}" for file, rows in given.document.get(KEPT, {}).items() for line in rows
         ]
         print(f"{out}: case {given.case.name}" + (f"; kept for the way back: {', '.join(kept)}" if kept else ""))
         return
-    if out.suffix.lower() in YAML:
-        raise ConfigurationError(f"{out}: expected a folder for the files of {source}, found the name of a case file.")
-    written = write_case(given.document, out, sidecar=sidecar, overwrite=overwrite)
     for line in listing(written):
         print(line)
 
@@ -193,6 +202,8 @@ def ended(case: Case, source: Path) -> History:
     try:
         with progress_bar(case) as progress:
             history = run_case(case, progress)
+    except ConfigurationError as error:
+        raise (error if str(source) in str(error) else ConfigurationError(f"{source}: {error}")) from None
     except RuntimeError as error:
         raise ConfigurationError(f"{source}: the run is given up: {error}; nothing is written.") from None
     if history.diverged is not None:
@@ -219,19 +230,32 @@ def progress_bar(case: Case) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
-def made(folder: Path) -> Iterator[None]:
-    """A folder that is made, and taken away again when the block does not end well."""
+def made(folder: Path, keep: bool = True) -> Iterator[None]:
+    """A folder that is made, and taken away again when the block does not end well, or it is not to be kept.
+
+    Raises:
+        ConfigurationError: It cannot be made or written to.
+    """
     new = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".ssmash-", dir=folder):
+            pass  # it can be written to
         yield
+        if not keep:
+            take_away(new)
     except BaseException as error:
-        for path in new:
-            if path.is_dir() and not any(path.iterdir()):
-                path.rmdir()
+        take_away(new)
         if isinstance(error, OSError):
             raise ConfigurationError(f"{folder}: cannot be written ({error.strerror or error}).") from None
         raise
+
+
+def take_away(folders: Sequence[Path]) -> None:
+    """Remove folders that are empty, the innermost first."""
+    for path in folders:
+        if path.is_dir() and not any(path.iterdir()):
+            path.rmdir()
 
 
 def print_summary(history: History) -> None:

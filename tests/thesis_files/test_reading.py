@@ -214,7 +214,8 @@ def test_rounded_euler_parameters_are_normalised(folder: Path) -> None:
     start = reading.document["start"]
     assert sum(e * e for e in start["orientation"]) == pytest.approx(1.0, abs=1e-15)
     assert start["orientation"][2] / start["orientation"][0] == pytest.approx(0.0872 / 0.9962)
-    assert len(reading.remarks) == 2 and "norm 1.000009 are normalised" in reading.remarks[1]
+    assert len(reading.remarks) == 3 and "norm 1.000009 are normalised" in reading.remarks[1]
+    assert reading.remarks[2].startswith("initials.inp line 5 counts, not heli.inp line 24")  # 0.02 rad apart
     write_case(reading.document, folder / "again")
     assert read(folder / "again").numbers == read(folder).numbers
     edit(folder / "initials.inp", 2, "0.99 0 0.0872 0")

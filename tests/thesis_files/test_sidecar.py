@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from ssmash_gym.files import write_text
 from ssmash_gym.thesis_files import read_case, read_folder, write_case
 from ssmash_gym.thesis_files.defaults import HELICOPTER
 from ssmash_gym.thesis_files.folder import SIDECAR
-from ssmash_gym.thesis_files.paths import expand, get
+from ssmash_gym.thesis_files.paths import MISSING, expand, get
 from ssmash_gym.vehicle import load_helicopter
 from tests.thesis_files import rig
 
@@ -121,6 +122,75 @@ def test_a_malformed_sidecar_is_told(text: str, told: str, tmp_path: Path) -> No
     with pytest.raises(ConfigurationError) as caught:
         read_folder(folder)
     assert told in str(caught.value) and str(folder) in str(caught.value)
+
+
+SAMPLE = Path(__file__).parents[2] / "configs" / "thesis_case"
+
+
+@pytest.mark.parametrize(
+    ("file", "edits", "gone", "path", "value"),
+    [
+        ("prescribed.inp", {3: "2", 4: "1"}, "deck.rates", "deck.type", "sinusoid"),
+        (
+            "heli.inp",
+            {62: "1 2 2", 63: "1e6 1e4"},
+            "helicopter.stations.auxiliary.spring.e1_Npm",
+            "helicopter.stations.auxiliary.spring.type",
+            "linear_strut",
+        ),
+        (
+            "heli.inp",
+            {57: "16*0."},
+            "helicopter.stations.auxiliary.tires.1.position_m",
+            "helicopter.stations.auxiliary.tires.1",
+            MISSING,
+        ),
+    ],
+)
+def test_what_the_files_no_longer_have_is_dropped(
+    file: str, edits: dict[int, str], gone: str, path: str, value: Any, tmp_path: Path
+) -> None:
+    folder = tmp_path / "case"
+    shutil.copytree(SAMPLE, folder)
+    assert not any("dropped from" in remark for remark in read_folder(folder).remarks)
+    for number, text in edits.items():
+        edit(folder / file, number, text)
+    reading = read_folder(folder)
+    assert get(reading.document, path) == value
+    assert any("dropped from" in remark and gone in remark for remark in reading.remarks)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "helicopter.mass_kg",
+        "helicopter.inertia_kgm2.0",
+        "helicopter.stations.right",
+        "helicopter.stations.*.tires.*.pressure_Pa",
+        "deck.type",
+        "solution",
+        "solution.rtol",
+        "start",
+    ],
+)
+def test_beyond_does_not_override_the_files(path: str, tmp_path: Path) -> None:
+    folder = tmp_path / "hop"
+    write_case(rig.document(), folder)
+    (folder / SIDECAR).write_text(f"beyond: {{{path}: 6000}}\n")
+    with pytest.raises(ConfigurationError, match="is refused: the files hold it; change it there"):
+        read_folder(folder)
+
+
+@pytest.mark.parametrize("line", [23, 24, 25])
+def test_an_orientation_that_does_not_count_is_told(line: int, tmp_path: Path) -> None:
+    folder = tmp_path / "hop"
+    write_case(rig.document(), folder)
+    told = f"initials.inp line {line - 19} counts, not heli.inp line {line}"
+    assert not any(told in remark for remark in read_folder(folder).remarks)
+    edit(folder / "heli.inp", line, "0.9998000066665778 0.0 0.01999866669333308 0.0")
+    assert any(told in remark for remark in read_folder(folder).remarks)
+    edit(folder / "heli.inp", line, "0.9998000066665778 0.0 0.0 0.01999866669333308")  # a turn about o_z
+    assert not any(told in remark for remark in read_folder(folder).remarks)
 
 
 def test_defaults_are_taken_and_told(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,9 @@ import pytest
 
 from ssmash_gym.cases import run_case
 from ssmash_gym.cli import INTERRUPTED, main
+from ssmash_gym.document import write_yaml
 from ssmash_gym.dynamics.layout import State
+from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
 from ssmash_gym.simulation.recording import read_recording
 from ssmash_gym.thesis_files import read_folder, verbs, write_case
 from ssmash_gym.thesis_files.folder import SIDECAR
@@ -121,6 +124,7 @@ def test_the_bar_follows_a_long_run(folder: Path, monkeypatch: pytest.MonkeyPatc
     [
         (["run", "nowhere/at/all"], "expected a folder of the thesis' files or a case file in YAML"),
         (["run", "{folder}", "--out", "{folder}/heli.inp"], "this is a file, expected a folder"),
+        (["run", "{folder}", "--out", "{folder}/heli.inp/out"], "heli.inp/out: cannot be written"),
         (["run", "{folder}/none.yaml"], "cannot be read"),
         (["convert", "{folder}", "{folder}/case.txt"], "must end in .yaml, .yml, .json"),
         (["convert", "{folder}", "{folder}/no/case.yaml"], "there is no folder"),
@@ -153,3 +157,37 @@ def test_the_listing_names_what_goes_where(folder: Path, tmp_path: Path, capsys:
     assert main(["convert", str(tmp_path / "hop.yaml"), str(tmp_path / "bare"), "--no-sidecar"]) == 1
     assert "the thesis' files alone cannot hold" in capsys.readouterr().err
     assert not (tmp_path / "bare").exists()
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("[seven]", "column 1: expected rows .* as an integer, at least 1, .* found 'seven'"),
+        ("[-5]", "column 1: expected rows .* as an integer, at least 1, .* found '-5'"),
+        ("[5, 6]", "expected one number .*, found 2"),
+        ("5", "this is no line of solution.inp"),
+    ],
+)
+def test_kept_lines_of_a_case_file_are_checked(row: str, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "case.yaml"
+    text = write_yaml(rig.document()) + f"thesis_files: {{solution.inp: {{line_3: {row}}}}}\n"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=rf"case\.yaml: thesis_files\.solution\.inp\.line_3.*{told}"):
+        verbs.convert(path, tmp_path / "folder")
+    assert not (tmp_path / "folder").exists()
+
+
+def test_convert_tells_warnings_as_lines(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = verbs.load
+
+    def warned(given: Path) -> Any:
+        warnings.warn("a wheel is odd", ConfigurationWarning, stacklevel=1)
+        return whole(given)
+
+    monkeypatch.setattr(verbs, "load", warned)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ConfigurationWarning)
+        verbs.convert(folder, tmp_path / "case.yaml")
+    assert "a wheel is odd" in capsys.readouterr().out.splitlines()
