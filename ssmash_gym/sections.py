@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final, TypeVar, Union, get_args, get_origin
+from pathlib import Path
+from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import AfterValidator, BaseModel, ValidationError, ValidationInfo
 
 from ssmash_gym.errors import ConfigurationError, shown
 
 Model = TypeVar("Model", bound=BaseModel)
+
+
+def _from_folder(path: Path, info: ValidationInfo) -> Path:
+    folder = (info.context or {}).get("folder")
+    return path if folder is None else Path(folder) / path  # an absolute path stays as it is
+
+
+FilePath = Annotated[Path, AfterValidator(_from_folder)]  # relative ones are taken from ``context={"folder": ...}``
 
 
 def validated(

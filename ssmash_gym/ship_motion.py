@@ -5,8 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -14,7 +13,6 @@ from typing import Annotated, Any, Final
 import numpy as np
 import tyro
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ssmash_gym import __version__
 from ssmash_gym.analysis.motion_picture import NEEDS_MATPLOTLIB, draw_picture
@@ -34,6 +32,7 @@ from ssmash_gym.analysis.motion_request import (
 )
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning, require
 from ssmash_gym.files import whole_files
+from ssmash_gym.progress import progress_bar
 from ssmash_gym.ship.config import parse_motion
 from ssmash_gym.ship.motion import Motion
 from ssmash_gym.ship.sea import SEA_STATES, SpectrumName, SpreadingName
@@ -120,7 +119,10 @@ def ship_motion(
     over_deck = companion_wind(source, intensity, seed) if wind else None
     comments = about(source, motion, seed, remarks) + ([wind_words(source, intensity)] if wind else [])
     console = Console()
-    with whole_files(files.named.values()) as staged, progress_bar(length_s / step_s) as advance:
+    with (
+        whole_files(files.named.values()) as staged,
+        progress_bar("ship motion", shown=length_s / step_s >= LONG_WORK_ROWS) as advance,
+    ):
         record = sample_record(motion, length_s, step_s, lambda share: advance(0.4 * share))
         write_shipmo(
             staged[out], motion, step_s, length_s, rates=rates,
@@ -190,15 +192,6 @@ def _option(key: str) -> str:
 
 
 # --- writing --------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def progress_bar(rows: float) -> Iterator[Callable[[float], None]]:
-    """A bar for long records, told the share that is done."""
-    columns = (TextColumn("ship motion"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=rows < LONG_WORK_ROWS) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda share: bar.update(task, completed=share)
 
 
 def about(source: Any, motion: Motion, seed: int, remarks: Sequence[str]) -> list[str]:

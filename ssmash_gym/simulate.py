@@ -162,10 +162,7 @@ def covered_time(deck: Motion, duration_s: float, batch: Batch) -> float:
     Raises:
         ConfigurationError: The motion is shorter than the run.
     """
-    if not math.isfinite(deck.duration_s):
-        return duration_s + MARGIN_S
-    spacing = batch.timing.node_spacing_s
-    whole = spacing * math.floor(deck.duration_s / spacing + 1e-6)
+    whole = deck.tabled_s(batch.timing.node_spacing_s)
     if duration_s > whole + 1e-6:
         raise ConfigurationError(
             f"--duration-s {duration_s:g} is refused: the motion lasts {deck.duration_s:g} s, allowed is {whole:g} s."

@@ -48,7 +48,7 @@ class SourceLinks(SphinxTransform):
             if path.is_relative_to(DOCS) or not path.is_relative_to(ROOT):
                 continue
             name = path.relative_to(ROOT).as_posix()
-            self.env.manual_sources.add(name)  # type: ignore[attr-defined]
+            self.env.manual_sources.add(name)
             reference = nodes.reference("", "", *node.children, refuri=f"{up}{FOLDER}/{name}.html", internal=True)
             node.replace_self(reference)
 
@@ -93,12 +93,12 @@ def lead_to_rows(app: Sphinx, doctree: nodes.document, docname: str) -> None:
 
 def start(app: Sphinx) -> None:
     """A fresh list of source files to show."""
-    app.env.manual_sources = set()  # type: ignore[attr-defined]
+    app.env.manual_sources = set()
 
 
 def source_pages(app: Sphinx) -> Iterator[tuple[str, dict[str, Any], str]]:
     """A page for every source file that a page links to."""
-    for name in sorted(app.env.manual_sources):  # type: ignore[attr-defined]
+    for name in sorted(app.env.manual_sources):
         title = html.escape(name)
         yield (
             f"{FOLDER}/{name}",

@@ -10,18 +10,21 @@ from typing import Annotated, Any, Final, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ssmash_gym.cases.section import CaseSection
+from ssmash_gym.columns import number_in, read_text, rows_of
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.fields import NonNegative, Number, Positive
+from ssmash_gym.sections import FilePath
+from ssmash_gym.ship.motion import smootherstep
+from ssmash_gym.simulation.timing import NODE_SPACING_S
 
 Array = NDArray[np.float64]
 LEAST_GAP_S: Final = 1.0e-3  # between two points of a claw's history
 FARTHEST_M: Final = 1000.0  # a claw's place in any direction
 NOISE_LINES: Final = 16  # sines that make up the noise of a claw position
 FINE_NODE_S: Final = 0.02  # spacing of the claw's nodes where it moves: up to 5 Hz within 1e-5 of its size
-COARSE_NODE_S: Final = 0.25
 Place = Annotated[Number, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 CLAW_COLUMNS: Final = ("time [s]", "x [m]", "y [m]", "z [m]")
 
@@ -49,7 +52,7 @@ class Noise(CaseSection):
         q = size * np.sin(angle).sum(axis=1)
         v = size * (omega * np.cos(angle)).sum(axis=1)
         a = -size * (omega * omega * np.sin(angle)).sum(axis=1)
-        f, df, ddf = (g[:, None] for g in _rise(t - t[0], self.rise_s))
+        f, df, ddf = (g[:, None] for g in smootherstep(t - t[0], self.rise_s))
         return f * q, f * v + df * q, f * a + 2.0 * df * v + ddf * q
 
 
@@ -92,14 +95,8 @@ class ClawFile(CaseSection):
     """The claw follows a record of four columns: time, x, y, z (RSD POS.INP)."""
 
     type: Literal["file"] = "file"
-    path: Path = Field(description="the file")
+    path: FilePath = Field(description="the file")
     noise: Noise | None = Field(None, description="irregularity added to x and y")
-
-    @field_validator("path")
-    @classmethod
-    def _from_folder(cls, path: Path, info: ValidationInfo) -> Path:
-        folder = (info.context or {}).get("folder")
-        return path if folder is None else Path(folder) / path  # an absolute path stays as it is
 
 
 Claw = Annotated[StillClaw | ClawPoints | ClawFile, Field(discriminator="type")]
@@ -107,7 +104,7 @@ Claw = Annotated[StillClaw | ClawPoints | ClawFile, Field(discriminator="type")]
 
 def longest_node_s(claw: StillClaw | ClawPoints | ClawFile) -> float:
     """Longest spacing of nodes that the claw's motion allows [s]."""
-    return COARSE_NODE_S if isinstance(claw, StillClaw) else FINE_NODE_S
+    return NODE_SPACING_S if isinstance(claw, StillClaw) else FINE_NODE_S
 
 
 def plane_height(claw: StillClaw | ClawPoints | ClawFile) -> float:
@@ -137,19 +134,17 @@ def read_claw_file(path: Path) -> Array:
         ConfigurationError: No such file, a malformed row (named by line and column), or times that do not increase.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
+        text = read_text(path)
     except OSError as error:
         raise ConfigurationError(f"claw file {path}: cannot be read ({error.strerror or error}).") from None
     rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        fields = line.replace(",", " ").replace(";", " ").split()
-        if fields and not fields[0].startswith(("#", "%", "!")):
-            rows.append(_claw_row(path, number, fields))
-            if len(rows) > 1 and rows[-1][0] - rows[-2][0] < LEAST_GAP_S:
-                raise ConfigurationError(
-                    f"claw file {path}, line {number}, column 1: time {rows[-1][0]:g} s is refused: it must be at "
-                    f"least {LEAST_GAP_S:g} s after that of the row before, {rows[-2][0]:g} s."
-                )
+    for number, fields in rows_of(text):
+        rows.append(_claw_row(path, number, fields))
+        if len(rows) > 1 and rows[-1][0] - rows[-2][0] < LEAST_GAP_S:
+            raise ConfigurationError(
+                f"claw file {path}, line {number}, column 1: time {rows[-1][0]:g} s is refused: it must be at least "
+                f"{LEAST_GAP_S:g} s after that of the row before, {rows[-2][0]:g} s."
+            )
     if len(rows) < 2:
         raise ConfigurationError(f"claw file {path}: {len(rows)} rows found, expected 2 or more of 4 columns.")
     return np.array(rows)
@@ -163,11 +158,8 @@ def _claw_row(path: Path, number: int, fields: list[str]) -> list[float]:
         )
     row = []
     for column, field in enumerate(fields, start=1):
-        try:
-            value = float(field.replace("D", "E").replace("d", "e"))
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value) or (column > 1 and abs(value) > FARTHEST_M):
+        value = number_in(field)
+        if value is None or not math.isfinite(value) or (column > 1 and abs(value) > FARTHEST_M):
             raise ConfigurationError(
                 f"claw file {path}, line {number}, column {column}: expected {CLAW_COLUMNS[column - 1]} as a "
                 f"number{f' within {FARTHEST_M:g} m' if column > 1 else ''}, found {field[:24]!r}."
@@ -230,12 +222,3 @@ def _curve(time: Array, points: Array, smooth: bool, halts: tuple[bool, bool]) -
         if halts[end]:
             slopes[end] = 0.0
     return cast(Callable[..., Array], CubicHermiteSpline(time, points, slopes))
-
-
-def _rise(t: Array, rise_s: float) -> tuple[Array, Array, Array]:
-    """A factor from 0 to 1 within the time `rise_s` [s], and its two derivatives."""
-    s = np.clip(t / rise_s, 0.0, 1.0)
-    f = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    df = 30.0 * s * s * (1.0 - s) ** 2 / rise_s
-    ddf = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / rise_s**2
-    return f, df, ddf

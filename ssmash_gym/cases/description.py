@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -24,13 +24,15 @@ from ssmash_gym.fields import NonNegative, Number, Positive
 from ssmash_gym.sections import validated
 from ssmash_gym.ship.config import MotionConfig
 from ssmash_gym.ship.sources import Fixed
+from ssmash_gym.simulation.patch import DEFAULT_EDGE_M, is_wide
+from ssmash_gym.simulation.timing import LONGEST_SUBSTEP_S, NODE_SPACING_S
 from ssmash_gym.vehicle import Helicopter, load_helicopter, with_changes
 from ssmash_gym.vehicle.catalogue import helicopter_from
 
-SPEEDS: Final = tuple(f"u{k}" for k in range(7, 19))
-SOLVERS: Final = ("engine", "adams", "gear", "automatic", "dop853", "rk45", "radau")
 Speed = Literal["u7", "u8", "u9", "u10", "u11", "u12", "u13", "u14", "u15", "u16", "u17", "u18"]
 Solver = Literal["engine", "adams", "gear", "automatic", "dop853", "rk45", "radau"]
+SPEEDS: Final = get_args(Speed)
+SOLVERS: Final = get_args(Solver)
 _RAW: Final = ("helicopter", "changes")  # documents of a helicopter: they keep their own marks
 _WHOLE: Final = 1e-4  # share of a step by which a whole number of steps may be off: rounding of the numbers in a file
 MOST_STEPS: Final = 10_000_000  # rows of a run, and substeps of a row
@@ -52,14 +54,15 @@ class Patch(CaseSection):
     x_m: tuple[Number, Number] = Field(description="from and to along the track, S axes [m]")
     y_m: tuple[Number, Number] = Field(description="from and to across the track, S axes [m]")
     friction_factor: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(description="friction there over that elsewhere")
-    edge_m: Positive = Field(0.02, description="width over which the friction changes [m]")
+    edge_m: Positive = Field(DEFAULT_EDGE_M, description="width over which the friction changes [m]")
 
     @model_validator(mode="after")
     def _ordered(self) -> Patch:
-        for key, (low, high) in (("x_m", self.x_m), ("y_m", self.y_m)):
-            if high - low < 2.0 * self.edge_m:
+        for key, span in (("x_m", self.x_m), ("y_m", self.y_m)):
+            if not is_wide(span, self.edge_m):
                 raise ValueError(
-                    f"{key} must go up by at least two edges, {2.0 * self.edge_m:g} m, it goes from {low:g} to {high:g}"
+                    f"{key} must go up by at least two edges, {2.0 * self.edge_m:g} m, it goes from {span[0]:g} to "
+                    f"{span[1]:g}"
                 )
         return self
 
@@ -91,10 +94,10 @@ class Solution(CaseSection):
         "engine",
         description="engine: the fixed-step kernel; adams, gear: VODE; automatic: LSODA; dop853, rk45, radau: SciPy's",
     )
-    longest_node_s: Annotated[Positive, Field(le=0.25)] | None = Field(
+    longest_node_s: Annotated[Positive, Field(le=NODE_SPACING_S)] | None = Field(
         None, description="longest spacing of the nodes of deck and claw; null: 0.25 s, 0.02 s where the claw moves [s]"
     )
-    substep_s: Annotated[Positive, Field(le=0.005)] = Field(0.002, description="step of the engine [s]")
+    substep_s: Annotated[Positive, Field(le=LONGEST_SUBSTEP_S)] = Field(0.002, description="step of the engine [s]")
     rtol: Annotated[Positive, Field(ge=1.0e-13, le=0.1)] = Field(
         1.0e-6, description="relative tolerance of the other solvers"
     )
@@ -267,5 +270,5 @@ def case_document(case: Case) -> dict[str, Any]:
     """The document of a case, with each mark at its value; only lists, mappings, numbers and texts."""
     plain = case.model_dump(mode="json", exclude={"provenance"})
     raw = {key: plain.pop(key) for key in _RAW}
-    document: dict[str, Any] = join(plain, {mark.path: mark for mark in case.provenance})
-    return {key: raw[key] if key in raw else document[key] for key in Case.model_fields if key in {**raw, **document}}
+    document = {**join(plain, {mark.path: mark for mark in case.provenance}), **raw}
+    return {key: document[key] for key in Case.model_fields if key in document}

@@ -16,7 +16,7 @@ from ssmash_gym.cases.run import History
 from ssmash_gym.dynamics import vectors
 from ssmash_gym.dynamics.lane import uncompiled
 from ssmash_gym.dynamics.layout import STATION_COORDINATES, State
-from ssmash_gym.ship.kinematics import rotation
+from ssmash_gym.ship.kinematics import angles_from_rotation, rotation
 from ssmash_gym.ship.motion import MotionTable
 
 Array = NDArray[np.float64]
@@ -61,11 +61,8 @@ def attitude_N(history: History) -> Array:
     R_NS = rotation(deck)
     flat = uncompiled(vectors.rotation)(*history.states[State.Q11 : State.Q14 + 1])
     R_SH = np.moveaxis(np.array(flat).reshape(3, 3, -1), -1, 0)
-    R_NH = R_NS @ R_SH
-    roll = np.unwrap(np.arctan2(R_NH[:, 2, 1], R_NH[:, 2, 2]))
-    pitch = -np.arcsin(np.clip(R_NH[:, 2, 0], -1.0, 1.0))
-    yaw = np.unwrap(np.arctan2(R_NH[:, 1, 0], R_NH[:, 0, 0]))
-    return np.stack([roll, pitch, yaw])
+    roll, pitch, yaw = angles_from_rotation(R_NS @ R_SH).T
+    return np.stack([np.unwrap(roll), pitch, np.unwrap(yaw)])
 
 
 def height_N(history: History) -> Array:

@@ -20,7 +20,7 @@ from ssmash_gym.dynamics import reference
 from ssmash_gym.dynamics.layout import ODE_ROWS, Par, State
 from ssmash_gym.dynamics.stepper import ABSURD
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.ship.motion import Motion, MotionTable
+from ssmash_gym.ship.motion import MotionTable
 from ssmash_gym.simulation.batch import Batch
 from ssmash_gym.simulation.claw import ClawLimits
 from ssmash_gym.simulation.parameters import Modes
@@ -176,30 +176,21 @@ def _rest(case: Case, batch: Batch) -> None:
 
 
 def _deck(case: Case, batch: Batch) -> MotionTable:
-    """Nodes of the deck's motion over the run."""
-    motion = case.deck.realise(np.random.default_rng(case.seed))
-    solution, spacing = case.solution, batch.timing.node_spacing_s
-    covered = max(solution.end_s - solution.start_s, spacing)
-    if math.isfinite(motion.duration_s):
-        covered = _within(case, motion, spacing)
-    return motion.bake(covered, spacing, ramp_s=case.ramp_s, start_s=solution.start_s)
-
-
-def _within(case: Case, motion: Motion, spacing: float) -> float:
-    """Time to table of a motion that ends: the run, rounded up to nodes that the motion has.
+    """Nodes of the deck's motion over the run.
 
     Raises:
-        ConfigurationError: It is shorter than the run.
+        ConfigurationError: The motion is a record shorter than the run.
     """
-    solution = case.solution
-    whole = spacing * math.floor((motion.duration_s - solution.start_s) / spacing + 1e-6)
+    motion = case.deck.realise(np.random.default_rng(case.seed))
+    solution, spacing = case.solution, batch.timing.node_spacing_s
     asked = max(solution.end_s - solution.start_s, spacing)
+    whole = motion.tabled_s(spacing, solution.start_s)
     if asked > whole + 1e-6:
         raise ConfigurationError(
             f"case {case.name}: solution.end_s = {solution.end_s:g} is refused: the deck's record lasts "
             f"{motion.duration_s:g} s, of which whole nodes of {spacing:g} s are used."
         )
-    return min(spacing * math.ceil(asked / spacing - 1e-6), whole)
+    return motion.bake(min(asked, whole), spacing, ramp_s=case.ramp_s, start_s=solution.start_s)
 
 
 def _hold(case: Case, batch: Batch) -> None:

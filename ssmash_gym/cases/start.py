@@ -13,7 +13,7 @@ from ssmash_gym.dynamics.layout import STATION_COORDINATES, STATIONS, State
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.fields import EulerParameters, Number, Vector
 from ssmash_gym.simulation.batch import Batch
-from ssmash_gym.simulation.parameters import droop_state
+from ssmash_gym.simulation.parameters import droop_state, unit
 from ssmash_gym.simulation.settle import probe_point, turn
 
 Array = NDArray[np.float64]
@@ -116,7 +116,7 @@ def _given(batch: Batch, start: Given) -> Array:
     for i in range(STATIONS):
         row = State.Q15 + STATION_COORDINATES * i
         state[row] = start.strut_m[i]
-        state[row + 1 : row + 5] = _unit(start.strut_orientations[i])
+        state[row + 1 : row + 5] = unit(start.strut_orientations[i])
         state[State.U13 + 2 * i] = start.strut_rates[i]
         state[State.U14 + 2 * i] = start.steer_rates_radps[i]
     state[State.U7 : State.U9 + 1] = start.velocity_mps
@@ -142,11 +142,6 @@ def _check(batch: Batch, start: Given, name: str) -> None:
                 f"case {name}: start.strut_m = {start.strut_m} is refused: each prismatic strut must be between its "
                 f"length at the end stop and at full droop, one of them {droop - stroke:g} to {droop:g} m."
             )
-
-
-def _unit(parameters: tuple[float, ...]) -> Array:
-    vector = np.array(parameters)
-    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def _euler_parameters(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:

@@ -259,6 +259,12 @@ class Motion(ABC):
         """Length of the motion from t = 0 on [s]; infinite for motions given by a formula."""
         return math.inf
 
+    def tabled_s(self, spacing_s: float, start_s: float = 0.0) -> float:
+        """Time from `start_s` on that a table of whole spacings can cover [s]; infinite for an endless motion."""
+        if not math.isfinite(self.duration_s):
+            return math.inf
+        return spacing_s * math.floor((self.duration_s - start_s) / spacing_s + TIME_SLACK)
+
     @abstractmethod
     def signal(self, t: npt.ArrayLike) -> Signal:
         """Six channels and their exact derivatives at times `t` [s], shape (n,): three arrays (n, 6) [m, rad, s]."""

@@ -17,6 +17,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from ssmash_gym.columns import number_in, read_text, rows_of
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
 from ssmash_gym.ship.kinematics import FloatArray
@@ -44,7 +45,6 @@ COLUMNS: Final = (
 )
 FEWEST_ROWS: Final = 8  # the interpolating spline needs six; two more keep its ends in check
 STEP_TOLERANCE: Final = 0.05  # share of the time step by which a printed time may be off (rounding in the file)
-COMMENTS: Final = ("#", "%", "!")
 BLOCK: Final = 2048  # rows that are worked out at a time: what a half-hour record needs at once stays small
 
 
@@ -86,16 +86,13 @@ def read_shipmo(path: str | Path) -> ShipmoRecord:
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8-sig", errors="replace")  # spreadsheets put a byte-order mark first
+        text = read_text(file)
     except OSError as error:
         raise ConfigurationError(f"motion file {file}: cannot be read ({error.strerror or error})") from error
     rows: list[list[float]] = []
     lines: list[int] = []
     names_passed = False
-    for number, line in enumerate(text.splitlines(), start=1):
-        fields = line.replace(",", " ").replace(";", " ").split()
-        if not fields or fields[0].startswith(COMMENTS):
-            continue
+    for number, fields in rows_of(text):
         if not rows and not names_passed and _is_names(fields):
             names_passed = True
             continue
@@ -118,15 +115,7 @@ def read_shipmo(path: str | Path) -> ShipmoRecord:
 
 def _is_names(fields: list[str]) -> bool:
     """Whether a line holds column names: none of its fields is a number."""
-    return all(_number(field) is None for field in fields)
-
-
-def _number(field: str) -> float | None:
-    """A number as C, Python or Fortran (1.0D+00) writes it."""
-    try:
-        return float(field.replace("D", "E").replace("d", "e"))
-    except ValueError:
-        return None
+    return all(number_in(field) is None for field in fields)
 
 
 def _row(file: Path, number: int, fields: list[str]) -> list[float]:
@@ -137,7 +126,7 @@ def _row(file: Path, number: int, fields: list[str]) -> list[float]:
         )
     row = []
     for column, field in enumerate(fields):
-        value = _number(field)
+        value = number_in(field)
         if value is None or not math.isfinite(value):
             raise ConfigurationError(
                 f"motion file {file}, line {number}, column {column + 1}: expected {COLUMNS[column][1]} as a finite "

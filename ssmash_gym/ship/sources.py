@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 import warnings
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
+from ssmash_gym.sections import FilePath
 from ssmash_gym.ship.harmonics import Component, Harmonics, irregular_component, spectrum_bins
 from ssmash_gym.ship.kinematics import EulerOrder, FloatArray
 from ssmash_gym.ship.motion import DEFAULT_SPACING_S, N_CHANNELS, Motion, MotionTable
@@ -189,18 +189,12 @@ class MotionFile(Section):
     """
 
     type: Literal["file"] = "file"
-    path: Path = Field(description="the record; a relative path is taken from the configuration file's folder")
+    path: FilePath = Field(description="the record; a relative path is taken from the configuration file's folder")
     rates: Rates = Field("body", description="columns 8-10, 14-16: angular velocity in ship axes, or angle rates")
     euler_order: EulerOrder = Field("zyx", description="sequence of the angles, first rotation first (intrinsic)")
     detrend: bool = Field(
         DETREND, description="remove mean heading, mean velocity and the drift of the integrated positions"
     )
-
-    @field_validator("path")
-    @classmethod
-    def _from_folder(cls, path: Path, info: ValidationInfo) -> Path:
-        folder = (info.context or {}).get("folder")
-        return path if folder is None else Path(folder) / path  # an absolute path stays as it is
 
     @cached_property
     def recorded(self) -> RecordedMotion:

@@ -281,16 +281,16 @@ def droop_state(
         feet = np.concatenate([lowest_points(station, R_SH) for station in helicopter.station_tuple])
         position_S = (0.0, 0.0, -float(feet[:, 2].max() - (R_SH @ np.array(helicopter.cg_offset_m))[2]))
     state[State.Q8 : State.Q10 + 1] = position_S
-    state[State.Q11 : State.Q14 + 1] = _unit(orientation)
+    state[State.Q11 : State.Q14 + 1] = unit(orientation)
     for i, station in enumerate(helicopter.station_tuple):
         row = State.Q15 + i * STATION_COORDINATES
         state[row] = station.droop_m[2]
-        state[row + 1 : row + STATION_COORDINATES] = _unit(station.orientation)
+        state[row + 1 : row + STATION_COORDINATES] = unit(station.orientation)
     state[State.PROBE_CAPTURED] = float(helicopter.probe.captured)
     return state
 
 
-def _unit(parameters: tuple[float, float, float, float]) -> Array:
+def unit(parameters: Sequence[float]) -> Array:
+    """Euler parameters brought to unit length, (4,)."""
     vector = np.array(parameters)
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit
+    return np.asarray(vector / np.linalg.norm(vector))

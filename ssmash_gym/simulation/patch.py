@@ -15,6 +15,12 @@ Range = tuple[float, float]
 DEFAULT_EDGE_M: Final = 0.02
 
 
+def is_wide(span: Range, edge_m: float) -> bool:
+    """Whether a side of the rectangle has room for its two edges."""
+    low, high = span
+    return math.isfinite(low) and math.isfinite(high) and high - low >= 2.0 * edge_m
+
+
 def write_patch(
     parameters: NDArray[np.float64], columns: NDArray[np.int64], x_m: Range, y_m: Range, factor: float, edge_m: float
 ) -> None:
@@ -28,8 +34,7 @@ def write_patch(
     if not (math.isfinite(edge_m) and edge_m > 0.0):
         raise refusal("patch", "edge_m", edge_m, "it must be a positive number")
     for key, given in (("x_m", x_m), ("y_m", y_m)):
-        low, high = given
-        if not (math.isfinite(low) and math.isfinite(high) and high - low >= 2.0 * edge_m):
+        if not is_wide(given, edge_m):
             raise refusal(
                 "patch", key, given, f"it must go from a smaller number to one larger by two edges, {2.0 * edge_m:g} m"
             )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.cases import Case, History, case_document, case_from
-from ssmash_gym.cases.claw import COARSE_NODE_S, ClawFile, longest_node_s, read_claw_file
+from ssmash_gym.cases.claw import ClawFile, longest_node_s, read_claw_file
 from ssmash_gym.dynamics.channels import Out, StaOut
 from ssmash_gym.dynamics.layout import (
     STATE_ROWS,
@@ -22,6 +22,7 @@ from ssmash_gym.dynamics.layout import (
 )
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.ship.motion import MotionTable
+from ssmash_gym.simulation.timing import NODE_SPACING_S
 from ssmash_gym.systems.scaling import PURE, check_scale, exponent, ratio, scaled, scaled_node
 from ssmash_gym.vehicle import Helicopter, document_of
 
@@ -134,7 +135,7 @@ def _solution(case: Case, scale: float) -> dict[str, Any]:
         "end_s": given.end_s * root,
         "output_step_s": step,
         "substep_s": step / count,
-        "longest_node_s": min((given.longest_node_s or longest_node_s(case.claw)) * root, COARSE_NODE_S),
+        "longest_node_s": min((given.longest_node_s or longest_node_s(case.claw)) * root, NODE_SPACING_S),
         "atol": given.atol * min(scale, 1.0),
     }
 

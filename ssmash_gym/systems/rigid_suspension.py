@@ -178,7 +178,8 @@ def _corner(batch: Batch, i: int, name: str) -> Corner:
     read = batch.telemetry
     row = State.Q15 + STATION_COORDINATES * i
     state = batch.state[:, 0]
-    orientation = tuple(float(e) for e in state[row + 1 : row + 5])
+    e0, e1, e2, e3 = (float(e) for e in state[row + 1 : row + 5])
+    orientation = e0, e1, e2, e3
     centres = []
     rises = []
     for tire in station.tires:
@@ -200,7 +201,7 @@ def _corner(batch: Batch, i: int, name: str) -> Corner:
         tire_Nspm=float(np.mean([tire.damping_z_Nspm for tire in station.tires])),
         tangent_Npm=_tangent(batch, i),
         carriage_m=float(state[row]),
-        orientation=orientation,  # type: ignore[arg-type]
+        orientation=orientation,
         centres_H_m=tuple(centres),
     )
 

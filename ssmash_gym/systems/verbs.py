@@ -8,12 +8,12 @@ from typing import Annotated, Final
 import tyro
 from rich.console import Console
 from rich.markdown import Markdown
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ssmash_gym.assets import asset_path
 from ssmash_gym.cases import Case, load_case
 from ssmash_gym.errors import ConfigurationError, SolverError, require
 from ssmash_gym.files import whole_files
+from ssmash_gym.progress import progress_bar
 from ssmash_gym.systems.additive import Parts, has_parts, parts_of, parts_table
 from ssmash_gym.systems.comparison import compare, systems_table
 from ssmash_gym.systems.description import load_system, system_names
@@ -49,11 +49,8 @@ def systems(
         raise ConfigurationError(f"--out {out} is refused: it is a file, and a folder is needed.")
     console = Console()
     stem = chosen.name.lower()
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=console, transient=True
-    ) as bar:
-        task = bar.add_task(f"case {chosen.name}", total=1.0)
-        done = compare(chosen, names or system_names(), lambda share: bar.update(task, completed=share))
+    with progress_bar(f"case {chosen.name}") as advance:
+        done = compare(chosen, names or system_names(), advance)
         if not done.histories:
             raise ConfigurationError(next(iter(done.refusals.values())))
         parts, missing = parts_at(chosen) if has_parts(chosen) else ({}, [])

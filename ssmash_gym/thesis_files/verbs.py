@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 import tyro
 
 from ssmash_gym.errors import ConfigurationError, ConfigurationWarning
+from ssmash_gym.progress import progress_bar
 
 if TYPE_CHECKING:
     from ssmash_gym.cases import Case, History
@@ -200,7 +201,8 @@ def ended(case: Case, source: Path) -> History:
     from ssmash_gym.cases import run_case
 
     try:
-        with progress_bar(case) as progress:
+        long = case.solution.end_s - case.solution.start_s >= LONG_RUN_S
+        with progress_bar(f"case {case.name}", shown=long) as progress:
             history = run_case(case, progress)
     except ConfigurationError as error:
         raise (error if str(source) in str(error) else ConfigurationError(f"{source}: {error}")) from None
@@ -209,24 +211,6 @@ def ended(case: Case, source: Path) -> History:
     if history.diverged is not None:
         raise ConfigurationError(f"{source}: {history.diverged}; nothing is written.")
     return history
-
-
-@contextmanager
-def progress_bar(case: Case) -> Iterator[Callable[[float], None]]:
-    """A bar for long runs, told the share that is done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (
-        TextColumn(f"case {case.name}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeRemainingColumn(),
-    )
-    short = case.solution.end_s - case.solution.start_s < LONG_RUN_S
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=short) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda share: bar.update(task, completed=share)
 
 
 @contextmanager

@@ -47,7 +47,7 @@ def printed_exponent(description: str) -> float | None:
     for part, sign in ((over, 1.0), (under, -1.0)):
         for token in part.split():
             if token != "1":
-                name, power = re.fullmatch(r"([A-Za-z]+)(\d?)", token).groups()  # type: ignore[union-attr]
+                name, power = re.fullmatch(r"([A-Za-z]+)(\d?)", token).groups()
                 total += sign * BASE[name] * int(power or 1)
     return total
 

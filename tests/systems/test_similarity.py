@@ -81,7 +81,7 @@ def test_a_state_in_numbers_scales_joint_by_joint() -> None:
     assert model.velocity_mps == pytest.approx((0.5, 0.0, 0.0))
     assert model.strut_rates == pytest.approx((0.05, 0.4, 0.4))  # a slide [m/s], two arms [rad/s]
     assert model.steer_rates_radps == pytest.approx((1.0, 0.0, 0.0))
-    assert model.strut_orientations == case.start.strut_orientations  # type: ignore[union-attr]
+    assert model.strut_orientations == case.start.strut_orientations
 
 
 def test_a_claw_file_becomes_scaled_points(tmp_path: Path) -> None:

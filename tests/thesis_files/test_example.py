@@ -65,5 +65,5 @@ def test_the_page_s_own_lines_run(tmp_path: Path) -> None:
     )
     names: dict[str, object] = {}
     exec(placed, names)
-    assert names["document"]["name"] == "thesis_case"  # type: ignore[index]
-    assert names["history"].time_s[-1] == 1.0  # type: ignore[attr-defined]
+    assert names["document"]["name"] == "thesis_case"
+    assert names["history"].time_s[-1] == 1.0

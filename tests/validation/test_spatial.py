@@ -12,7 +12,7 @@ from ssmash_gym.analysis.validation.manoeuvres import Manoeuvre
 from ssmash_gym.analysis.validation.measures import curve, span
 from ssmash_gym.analysis.validation.spatial import SPATIAL, B
 from ssmash_gym.analysis.validation.statements import Runs
-from ssmash_gym.cases import QUANTITIES, load_case, run_case
+from ssmash_gym.cases import load_case, run_case
 
 # Limits of the axes as the thesis prints them, by figure: time, then each panel from top to bottom.
 PRINTED = {
@@ -43,19 +43,8 @@ FAILING = {
 }
 
 
-def test_the_figures_are_those_of_the_thesis_with_its_axes() -> None:
-    found = {
-        figure.number: (figure.seconds, [panel.limits for panel in figure.panels])
-        for manoeuvre in SPATIAL
-        for figure in manoeuvre.figures
-    }
-    assert found == PRINTED
-    for manoeuvre in SPATIAL:
-        for figure in manoeuvre.figures:
-            for panel in figure.panels:
-                assert all(one.quantity in QUANTITIES for one in panel.curves)
-                marks = (panel.limits[1] - panel.limits[0]) / panel.step
-                assert marks == pytest.approx(round(marks)) and 2 <= marks <= 10
+def test_the_figures_are_those_of_the_thesis_with_its_axes(assert_printed_axes) -> None:
+    assert_printed_axes(SPATIAL, PRINTED)
 
 
 def test_statements_hold_but_for_those_that_the_pages_name(spatial: Manoeuvre, studied) -> None:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from ssmash_gym.analysis.validation.manoeuvres import manoeuvre_named, manoeuvres
+from ssmash_gym.analysis.validation.manoeuvres import manoeuvres
 from ssmash_gym.analysis.validation.report import agreement_table, overview, summary
-from ssmash_gym.analysis.validation.study import Asked, Study, study
-from ssmash_gym.analysis.validation.verbs import file_name, pictures, progress_bar, text_writer
+from ssmash_gym.analysis.validation.study import Asked, Study
+from ssmash_gym.analysis.validation.verbs import file_name, pictures, run_studies, text_writer
 from ssmash_gym.files import whole_files
 
 COMMAND: Final = "python -m ssmash_gym.analysis.validation.pages docs"
@@ -48,11 +48,7 @@ def write_pages(docs: Path, names: Sequence[str] = ()) -> None:
         names: Manoeuvres; all of them unless given, and then the table of all too.
     """
     chosen = list(names) or list(manoeuvres())
-    studies = []
-    with progress_bar() as advance:
-        for k, name in enumerate(chosen):
-            told = lambda share, words, k=k: advance((k + share) / len(chosen), words)  # noqa: E731
-            studies.append(study(manoeuvre_named(name), asked_for(name), told))
+    studies = run_studies(chosen, asked_for)
     content = {}
     for one in studies:
         name = one.manoeuvre.name

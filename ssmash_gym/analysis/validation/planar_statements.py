@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from ssmash_gym.analysis.validation import planar_measures as measured
@@ -106,14 +107,10 @@ TAIL_FOLLOWS: Final = Statement(
     taken_as="-80 to -100 deg at the end: between the last two marks of the axis",
     basis="axis",
 )
-FX_OSCILLATES: Final = Statement(
+FX_OSCILLATES: Final = replace(
+    FX_FLUCTUATES,
     thesis="the claw signal contains visible noise, so large fluctuations in the probe x force are expected",
     source="section 3.2.2, figures 3.22 and 3.23",
-    measure=measured.fx_fluctuation,
-    words="{claw_mm:.1f} mm rms of the claw, {force_kN:.2f} kN rms of x-force; its trend peaks at {trend_kN:.2f} kN",
-    holds=lambda n: n["force_kN"] > 0.25 * n["trend_kN"],
-    taken_as="the rms of the force exceeds a quarter of the peak of its trend",
-    chosen="the size of the claw's noise",
 )
 FX_POSITIVE: Final = Statement(
     thesis="it is not physically plausible for the probe x force to become negative because the claw traverses forward",

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import tyro
 
 from ssmash_gym.errors import ConfigurationError, require
+from ssmash_gym.progress import progress_bar
 
 if TYPE_CHECKING:
     from ssmash_gym.analysis.validation.study import Asked, Study
@@ -58,7 +58,7 @@ def manoeuvre(
     )
     check_folder(out)
     require("matplotlib", NEEDS_MATPLOTLIB)
-    studies = run_studies([one.name for one in chosen], asked)
+    studies = run_studies([one.name for one in chosen], lambda _: asked)
     several = name.lower() == EVERY
     places = {study.manoeuvre.name: out / study.manoeuvre.name if several else out for study in studies}
     command = " ".join(
@@ -105,8 +105,8 @@ def check_folder(out: Path) -> None:
 # --- running ----------------------------------------------------------------------------------------------------
 
 
-def run_studies(names: Sequence[str], asked: Asked) -> list[Study]:
-    """Run manoeuvres one after the other, with a bar."""
+def run_studies(names: Sequence[str], asked: Callable[[str], Asked]) -> list[Study]:
+    """Run manoeuvres one after the other, with a bar; `asked` says what is asked for of each."""
     from ssmash_gym.analysis.validation.manoeuvres import manoeuvre_named
     from ssmash_gym.analysis.validation.study import study
 
@@ -117,25 +117,8 @@ def run_studies(names: Sequence[str], asked: Asked) -> list[Study]:
             def told(share: float, words: str, k: int = k) -> None:
                 advance((k + share) / len(names), words)
 
-            studies.append(study(manoeuvre_named(name), asked, told))
+            studies.append(study(manoeuvre_named(name), asked(name), told))
     return studies
-
-
-@contextmanager
-def progress_bar() -> Iterator[Callable[[float, str], None]]:
-    """A bar on the error stream, told the share that is done and what is being run."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda share, words: bar.update(task, completed=share, description=words)
 
 
 # --- writing ----------------------------------------------------------------------------------------------------

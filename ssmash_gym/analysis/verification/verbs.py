@@ -71,7 +71,7 @@ def identify(
     from ssmash_gym.analysis.verification.description import helicopter_text, inputs_text, values_of
     from ssmash_gym.analysis.verification.refit import refit
     from ssmash_gym.analysis.verification.table import load_table, plain
-    from ssmash_gym.files import write_text
+    from ssmash_gym.files import whole_files
     from ssmash_gym.vehicle import load_helicopter
 
     table = load_table()
@@ -85,9 +85,11 @@ def identify(
         (out / "helicopters" / f"{template.name}.yaml", helicopter_text(found.helicopter)),
         (out / "verification" / table.inputs_path.name, inputs_text(found.inputs)),
     )
-    for path, text in targets:
+    for path, _ in targets:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, text)
+    with whole_files(path for path, _ in targets) as staged:
+        for path, text in targets:
+            staged[path].write_text(text, encoding="utf-8", newline="\n")
     console = Console()
     if markdown:
         print(report.identification_markdown(found))
