@@ -171,7 +171,7 @@ def test_the_verb_writes_figures_summary_recording_and_configuration(tmp_path: P
 
 
 def test_nothing_is_written_when_a_picture_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, studied) -> None:
-    def broken(*_: object) -> None:
+    def broken(*_: object, **__: object) -> None:
         raise OSError("no space left on device")
 
     monkeypatch.setattr("ssmash_gym.analysis.validation.picture.save_png", broken)
