@@ -18,7 +18,7 @@ EXTRAS = {
     "render": ("pygame-ce", "imageio-ffmpeg", "moviepy"),
     "plot": ("matplotlib",),
 }
-CATALOGUE = ("helicopters", "ships", "scenarios", "tasks", "training")
+CATALOGUE = ("helicopters", "ships", "scenarios", "tasks", "training", "evaluation")
 
 
 def installed(name: str) -> str:

@@ -127,7 +127,10 @@ def test_unknown_verb_is_told_in_one_sentence(capsys: pytest.CaptureFixture[str]
 # --- extras ----------------------------------------------------------------------------------------------
 
 EXTRAS = {
-    "train": ("stable_baselines3", "torch", "tensorboard", "tqdm"),
+    "train": ("stable_baselines3", "sb3_contrib", "torch", "tensorboard", "tqdm"),
+    "tune": ("optuna",),
+    "onnx": ("onnx", "onnxruntime"),
+    "report": ("jinja2",),
     "render": ("pygame", "imageio_ffmpeg", "moviepy"),
     "plot": ("matplotlib",),
 }
@@ -139,7 +142,7 @@ for module in pkgutil.walk_packages(ssmash_gym.__path__, "ssmash_gym.", onerror=
     try:
         importlib.import_module(module.name)
     except ImportError as refusal:
-        if not re.search(r"ssmash_gym\\[(train|render|plot)\\]", str(refusal)):
+        if not re.search(r"ssmash_gym\\[(train|tune|onnx|report|render|plot)\\]", str(refusal)):
             print(f"{module.name}: {refusal}")
 """
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,66 +18,26 @@ from ssmash_gym.dynamics.engine import available_threads, lane_width
 from ssmash_gym.envs import limits
 from ssmash_gym.envs.divergence import divergence, dump
 from ssmash_gym.envs.episode import EpisodeBook
+from ssmash_gym.envs.given import as_helicopter, observed
+from ssmash_gym.envs.guides import Guide
 from ssmash_gym.envs.nursery import Nursery, move_on
 from ssmash_gym.envs.observations import Observer
 from ssmash_gym.envs.reading import Reading, columns_of, half_spread
 from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards
-from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, load_scenario
+from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, changed_scenario, load_scenario
 from ssmash_gym.envs.sensors import Instruments
 from ssmash_gym.envs.starts import Starter
-from ssmash_gym.envs.task import TaskConfig, load_task
+from ssmash_gym.envs.step import BatchSnapshot, StepResult
+from ssmash_gym.envs.task import Reward, TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.simulation.batch import Snapshot
+from ssmash_gym.sections import validated
 from ssmash_gym.simulation.telemetry import Telemetry
-from ssmash_gym.vehicle import Helicopter, helicopter_from, load_helicopter, with_changes
+from ssmash_gym.vehicle import Helicopter
 
 Array = NDArray[np.float64]
 Columns = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 ACTIONS = 2
-
-
-@dataclass(frozen=True)
-class StepResult:
-    """What a step gave for its m columns; shape (m,) unless said otherwise. All arrays are new.
-
-    Attributes:
-        columns: Which columns.
-        observation: (m, size) float32.
-        reward, terminated, truncated: As in Gymnasium.
-        cost: Sum of `costs`; costs, margins, reward_terms: by name.
-        saturation: Share of the command's components that lay beyond +-1 before clipping.
-        clipped: How many numbers of the observation were clipped.
-        time_s: Time since the start [s].
-        endings: For each ended column: ``reason``, ``success``, ``episode_metrics``, and ``divergence`` if it was one.
-    """
-
-    columns: Columns
-    observation: NDArray[np.float32]
-    reward: Array
-    terminated: Flags
-    truncated: Flags
-    cost: Array
-    costs: dict[str, Array]
-    margins: dict[str, Array]
-    reward_terms: dict[str, Array]
-    saturation: Array
-    clipped: NDArray[np.int64]
-    time_s: Array
-    endings: dict[int, dict[str, Any]] = field(default_factory=dict)
-
-    def info(self, i: int) -> dict[str, Any]:
-        """Row i as the single environment's info."""
-        return {
-            "time_s": float(self.time_s[i]),
-            "cost": float(self.cost[i]),
-            "costs": {name: float(values[i]) for name, values in self.costs.items()},
-            "margins": {name: float(values[i]) for name, values in self.margins.items()},
-            "reward_terms": {name: float(values[i]) for name, values in self.reward_terms.items()},
-            "action_saturation": float(self.saturation[i]),
-            "observation_clipped": int(self.clipped[i]),
-            **self.endings.get(int(self.columns[i]), {}),
-        }
 
 
 class TraverseBatch:
@@ -90,7 +49,8 @@ class TraverseBatch:
         scenario: Name, YAML file, mapping of changes, or `ScenarioConfig`.
         helicopter: Name, file, `Helicopter`, or a mapping: either a whole description, or changes by dotted path to the
             helicopter that its key ``base`` names.
-        observation: Overrides the task's: ``sensors``, ``full``, ``forecast`` or names of `observations.TERMS`.
+        observation: Overrides the task's: ``sensors``, ``full``, ``forecast``, ``oracle`` or names of
+            `observations.TERMS`.
         threads: Workers of a call; None takes as many as are useful. Results do not depend on it.
         dump_dir: Folder for the state of a diverged helicopter; None writes nothing.
         max_episode_steps: Truncates earlier than the task's horizon, as Gymnasium's TimeLimit does.
@@ -134,6 +94,8 @@ class TraverseBatch:
         self.limit_steps = min(max_episode_steps or self.task.horizon_steps, self.task.horizon_steps)
         self._half_spread = half_spread(self.starter.helicopter)
         self._nursery = Nursery(self.starter, n, self.threads)
+        self._guide = None if self.task.residual is None else Guide(n, self.task, self.task.residual)
+        self._bound = np.ones((n, ACTIONS))  # of the commands, as shares of the task's claw speeds
 
     @property
     def control_interval_s(self) -> float:
@@ -177,6 +139,9 @@ class TraverseBatch:
             self.generators = before
             raise
         self.book.begin(chosen)
+        self._bound[chosen, 1] = [self._drive_share(int(k)) for k in chosen]
+        if self._guide is not None:
+            self._guide.begin(chosen)
         telemetry, broken = columns_of(self.batch.telemetry, chosen, instant=True)
         first = self._reading(chosen, telemetry, broken, np.zeros((chosen.size, ACTIONS)))
         self.book.held[chosen] = first.held
@@ -200,6 +165,12 @@ class TraverseBatch:
                 move_on(self._generator(int(k)), generator)
             return
         self._nursery.start(self.batch, columns, self.generators, self.draws, self.book.steps)
+
+    def _drive_share(self, k: int) -> float:
+        """Speed across at which column k's drive saturates, as a share of the task's."""
+        draw = self.draws[k]
+        speed = None if draw is None else draw.claw_speed_across_m_s
+        return 1.0 if speed is None else min(1.0, speed / self.task.claw.speed_across_m_s)
 
     def _generator(self, k: int) -> np.random.Generator:
         generator = self.generators[k]
@@ -240,7 +211,11 @@ class TraverseBatch:
             i = int(np.argmin(np.isfinite(raw).all(axis=1)))
             raise ValueError(f"action of helicopter {int(columns[i])}: {raw[i].tolist()}, must be finite numbers")
         beyond = np.abs(raw) > 1.0
-        return np.clip(raw, -1.0, 1.0), 0.5 * (beyond[:, 0].astype(np.float64) + beyond[:, 1])
+        wanted = np.clip(raw, -1.0, 1.0)
+        if self._guide is not None:
+            wanted = self._guide.commands(wanted, self.last, columns)
+        bound = self._bound[columns]
+        return np.clip(wanted, -bound, bound), 0.5 * (beyond[:, 0].astype(np.float64) + beyond[:, 1])
 
     def _reading(self, columns: Columns, telemetry: Telemetry, broken: Flags, previous: Array) -> Reading:
         steps = self.book.steps[columns]
@@ -311,6 +286,47 @@ class TraverseBatch:
         assert draw is not None
         return self.starter.decks.figures(draw).metrics()
 
+    def change(
+        self, scenario: Mapping[str, Any] | ScenarioConfig | None = None, reward: Mapping[str, Any] | None = None
+    ) -> None:
+        """Change what later episodes are drawn from, and what is rewarded from now on: stages of a curriculum.
+
+        Args:
+            scenario: Changes to the present scenario, or another one; what its claw and sensors may delay, and
+                whether they are noisy, must stay within the first one's.
+            reward: Weights of the reward to change.
+
+        Raises:
+            ConfigurationError: A key or value is refused; nothing has changed.
+        """
+        task = self.task
+        if reward is not None:
+            weights = {**task.reward.model_dump(), **reward}
+            task = task.model_copy(update={"reward": validated(Reward, weights, "task: reward")})
+        starter = self.starter
+        if scenario is not None:
+            changed = changed_scenario(self.scenario, scenario)
+            starter = Starter(self.starter.helicopter, task, changed)
+            self._check_room(starter)
+            self.scenario, self.starter = changed, starter
+            self.sensors.serve(starter)
+            self._nursery = Nursery(starter, self.n, self.threads)
+        self.task = task
+
+    def _check_room(self, starter: Starter) -> None:
+        """Refuse a scenario whose delays or noise this batch has no memory for."""
+        scenario = starter.scenario
+        for key, most in (
+            ("claw.delay_s", self.batch.longest_delay_s),
+            ("sensors.delay_s", self.sensors.longest_delay_s),
+            ("sensors.noise", float("inf") if self.sensors.noisy else 0.0),
+        ):
+            found = scenario.bounds(key)
+            if found is not None and found[1] > most + 1e-9:
+                raise ConfigurationError(
+                    f"scenario: {key} up to {found[1]:g} is refused as a change: the batch was made for {most:g}."
+                )
+
     # --- copies ------------------------------------------------------------------------------------------------
 
     def snapshot(self) -> BatchSnapshot:
@@ -322,6 +338,7 @@ class TraverseBatch:
             copy.deepcopy(self.generators),
             copy.deepcopy(self.draws),
             self.last.copy(),
+            {} if self._guide is None else self._guide.snapshot(),
         )
 
     def restore(self, snapshot: BatchSnapshot) -> None:
@@ -332,6 +349,9 @@ class TraverseBatch:
         self.generators = copy.deepcopy(snapshot.generators)
         self.draws = copy.deepcopy(snapshot.draws)
         self.last = snapshot.last.copy()
+        self._bound[:, 1] = [self._drive_share(k) for k in range(self.n)]
+        if self._guide is not None:
+            self._guide.restore(snapshot.guide)
         self._nursery.clear()
 
     def fork(self, k: int) -> TraverseBatch:
@@ -347,19 +367,10 @@ class TraverseBatch:
         other.generators = [copy.deepcopy(self.generators[i]) for i in copies]
         other.draws = [self.draws[i] for i in copies]
         other.last = self.last[copies]
+        other._bound = self._bound[copies]
+        if self._guide is not None and other._guide is not None:
+            other._guide.restore(self._guide.snapshot(), copies)
         return other
-
-
-@dataclass(frozen=True)
-class BatchSnapshot:
-    """Everything a `TraverseBatch` is at one instant; can be pickled."""
-
-    physics: Snapshot
-    book: dict[str, NDArray[Any]]
-    sensors: dict[str, Any]
-    generators: list[np.random.Generator | None]
-    draws: list[EpisodeDraw | None]
-    last: NDArray[np.float32]
 
 
 def _sum(terms: Mapping[str, Array], n: int) -> Array:
@@ -368,24 +379,3 @@ def _sum(terms: Mapping[str, Array], n: int) -> Array:
     for values in terms.values():
         total = total + values
     return total
-
-
-def observed(task: TaskConfig, observation: str | Sequence[str]) -> dict[str, Any]:
-    """The task as a document with another observation."""
-    chosen = observation if isinstance(observation, str) else list(observation)
-    return {**task.model_dump(mode="json"), "observation": chosen}
-
-
-def as_helicopter(given: str | Path | Mapping[str, Any] | Helicopter) -> Helicopter:
-    """A helicopter from a name, a file, a description, or changes to a base.
-
-    Raises:
-        ConfigurationError: It is refused; one sentence.
-    """
-    if isinstance(given, Helicopter):
-        return given
-    if isinstance(given, Mapping):
-        changes = dict(given)
-        base = changes.pop("base", None)
-        return helicopter_from(changes) if base is None else with_changes(load_helicopter(base), changes)
-    return load_helicopter(given)

@@ -30,6 +30,7 @@ class EpisodeBook:
         saturation: Sum of the intervals' shares of saturated commands.
         returned: Sum of rewards; cost: sum of costs.
         probe_N: In-plane probe load of each counted interval, its peak, (N, horizon); counted: how many.
+        overloaded: counted intervals in which the in-plane probe load exceeded its cost limit.
     """
 
     steps: NDArray[np.int64]
@@ -51,12 +52,13 @@ class EpisodeBook:
     cost: Array
     probe_N: NDArray[np.float32]
     counted: NDArray[np.int64]
+    overloaded: NDArray[np.int64]
 
     @classmethod
     def blank(cls, n: int, horizon_steps: int) -> EpisodeBook:
         """A book for n helicopters whose episodes have not begun."""
         kinds: dict[str, Any] = {
-            "steps": np.int64, "held": np.int64, "lift_offs": np.int64, "counted": np.int64,
+            "steps": np.int64, "held": np.int64, "lift_offs": np.int64, "counted": np.int64, "overloaded": np.int64,
             "over": np.bool_, "lifted": np.bool_, "probe_N": np.float32,
         }  # fmt: skip
         shapes = {"command": (n, 2), "probe_N": (n, horizon_steps)}
@@ -75,6 +77,7 @@ class EpisodeBook:
         rows = columns[r.counted]
         self.probe_N[rows, self.counted[rows]] = probe[r.counted]
         self.counted[rows] += 1
+        self.overloaded[rows] += probe[r.counted] > 1e3 * r.task.limits.probe_in_plane_kN
         self._raise("peak_probe_N", rows, probe[r.counted])
         self._raise("peak_probe_no_grace_N", columns, probe)
         self._raise("peak_axial_N", columns, r.telemetry.peak_max("probe_axial"))
@@ -104,6 +107,7 @@ class EpisodeBook:
             "peak_probe_kN": 1e-3 * float(self.peak_probe_N[k]),
             "peak_probe_kN_no_grace": 1e-3 * float(self.peak_probe_no_grace_N[k]),
             "p95_probe_kN": 1e-3 * p95,
+            "over_limit_s": int(self.overloaded[k]) * r.task.control_interval_s,
             "peak_axial_kN": 1e-3 * float(self.peak_axial_N[k]),
             "peak_main_kN": 1e-3 * float(self.peak_main_N[k]),
             "least_station_kN": 1e-3 * float(self.least_station_N[k]),

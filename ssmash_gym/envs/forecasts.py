@@ -70,6 +70,10 @@ class ForecastBank:
         self._late: Array = np.zeros((late + 1, signals, n))  # the last row stays zero
         self._reads: Columns = np.zeros(n, np.int64)
 
+    def serve(self, starter: Starter) -> None:
+        """Take the motions of later episodes from another starter of the same task."""
+        self._starter = starter
+
     def start(self, columns: Columns, draws: Sequence[EpisodeDraw], scaled: Array) -> None:
         """Begin episodes: fit their models, take the first readings, and write the first forecasts.
 
@@ -117,7 +121,7 @@ class ForecastBank:
         children = np.random.SeedSequence(draw.sensor_seed, spawn_key=(_KEY,))
         noise = np.random.default_rng(children).standard_normal((count * self._stride, len(self._names)))
         noise *= draw.sensors_noise * self._noise
-        true = self._true(motion.sample(now_s - count * self._spacing, self._spacing, count))
+        true = self._scaled(motion.sample(now_s - count * self._spacing, self._spacing, count))
         model = ArModel.fit(true + noise[:: self._stride])
         weights = model.weights(self._leads)
         self._weights[..., k] = np.moveaxis(weights, 0, -1)
@@ -125,18 +129,15 @@ class ForecastBank:
         recent = len(self._ring) - 1
         late = math.ceil(draw.sensors_delay_s / self._interval - 1e-9)
         instants = self._interval * np.arange(-recent, late)
-        true = self._true(motion.signal(np.append(now_s + instants, start_s)))
+        true = self._scaled(motion.signal(np.append(now_s + instants, start_s)))
         if recent:
             self._ring[1:, :, k] = true[:recent] + noise[-recent:]  # instant j stands in place j modulo the length
         # Late sensors still hold the first value when the episode begins, though the deck has moved: what they lack.
         self._late[:late, :, k] = true[recent : recent + late] - true[-1]
 
-    def _true(self, signal: Signal) -> Array:
+    def _scaled(self, signal: Signal) -> Array:
         """What noiseless sensors would read at the signal's times, scaled, (times, signals)."""
-        pose = pose_of(signal)
-        force = pose.specific_force_S(GRAVITY)
-        values = {"deck_roll": signal.position[:, 3], "deck_fy": force[:, 1], "deck_fz": force[:, 2] + GRAVITY}
-        return np.asarray(np.stack([values[name] for name in self._names], axis=1) / self._scale)
+        return np.asarray(true_readings(signal, self._names) / self._scale)
 
     def snapshot(self) -> dict[str, Any]:
         """A copy of everything that changes."""
@@ -146,6 +147,23 @@ class ForecastBank:
         """Return to a snapshot, or make each helicopter a copy of the snapshot's column listed for it."""
         for name in _SAVED:
             setattr(self, name, snapshot[name].copy() if columns is None else snapshot[name][..., columns])
+
+
+def true_readings(signal: Signal, names: Sequence[str]) -> Array:
+    """What noiseless sensors of the deck would read at a signal's times, SI, (times, names).
+
+    Args:
+        signal: Motion of the deck.
+        names: Terms: ``deck_roll``, ``deck_fx``, ``deck_fy``, ``deck_fz``.
+    """
+    force = pose_of(signal).specific_force_S(GRAVITY)
+    values = {
+        "deck_roll": signal.position[:, 3],
+        "deck_fx": force[:, 0],
+        "deck_fy": force[:, 1],
+        "deck_fz": force[:, 2] + GRAVITY,
+    }
+    return np.stack([values[name] for name in names], axis=1)
 
 
 def stride_of(control_interval_s: float) -> int:

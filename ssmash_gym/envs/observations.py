@@ -1,7 +1,8 @@
 """The observation: one table of named terms, each with its physical scale, sensor noise and meaning.
 
 A term is its SI value divided by a documented physical scale, clipped to a finite bound. A new observation is one
-line in `TERMS`. None knows the future of the deck's motion, the sea state or the draw of the episode.
+line in `TERMS`. None knows the sea state or the draw of the episode, and none but the terms of the set ``oracle``,
+which serve as a reference, the future of the deck's motion.
 """
 
 from __future__ import annotations
@@ -40,7 +41,9 @@ class Term:
         sensor: Whether it is measured: noise and delay apply.
         basic: Whether it belongs to the set ``sensors``; ``full`` holds all but the forecasts.
         channel: The telemetry channel that `read` takes as it is, if it does no more.
-        forecast_of: The measured term whose forecast this is, if it is one; lead_s: how far ahead [s].
+        forecast_of: The measured term whose forecast this is, if it is one.
+        oracle_of: The measured term whose true future this is, if it is one; lead_s: how far ahead, of both [s].
+        past_of: The observed term whose earlier reading this is, if it is one; lag_s: how long before [s].
     """
 
     name: str
@@ -53,7 +56,15 @@ class Term:
     basic: bool = True
     channel: str = ""
     forecast_of: str = ""
+    oracle_of: str = ""
     lead_s: float = 0.0
+    past_of: str = ""
+    lag_s: float = 0.0
+
+    @property
+    def kind(self) -> str:
+        """The named set that holds it beyond ``sensors``."""
+        return "forecast" if self.forecast_of else "oracle" if self.oracle_of else "full"
 
 
 def _channel(name: str, meaning: str, unit: str, scale: float, noise: float, basic: bool = True) -> Term:
@@ -80,6 +91,17 @@ def _forecast(name: str, of: str, scale: float, unit: str, meaning: str) -> list
         Term(
             f"forecast_{name}_{lead}s", f"{meaning}, {lead} s after the reading", unit, scale, 0.0, _nothing_yet,
             sensor=False, basic=False, forecast_of=of, lead_s=float(lead),
+        )
+        for lead in LEADS_S
+    ]  # fmt: skip
+
+
+def _oracle(name: str, of: str, scale: float, unit: str, meaning: str) -> list[Term]:
+    """The true future of a measured term; `oracle.OracleBank` gives its values."""
+    return [
+        Term(
+            f"oracle_{name}_{lead}s", f"{meaning}, {lead} s after now", unit, scale, 0.0, _nothing_yet,
+            sensor=False, basic=False, oracle_of=of, lead_s=float(lead),
         )
         for lead in LEADS_S
     ]  # fmt: skip
@@ -163,22 +185,27 @@ _TERMS: Final = (
     *_station("oleo_force", "oleo force", "N", 4e4, 200.0, basic=False),
     # --- only in "forecast" ---
     *_forecast("roll", "deck_roll", 0.1, "rad", "forecast of `deck_roll`"),
+    *_forecast("fx", "deck_fx", 1.0, "m/s2", "forecast of `deck_fx`"),
     *_forecast("fy", "deck_fy", 1.0, "m/s2", "forecast of `deck_fy`"),
     *_forecast("fz", "deck_fz", 1.0, "m/s2", "forecast of `deck_fz`"),
+    # --- only in "oracle": a reference for what forecasts could be worth; no instrument gives them ---
+    *_oracle("roll", "deck_roll", 0.1, "rad", "true future of `deck_roll`"),
+    *_oracle("fx", "deck_fx", 1.0, "m/s2", "true future of `deck_fx`"),
+    *_oracle("fy", "deck_fy", 1.0, "m/s2", "true future of `deck_fy`"),
+    *_oracle("fz", "deck_fz", 1.0, "m/s2", "true future of `deck_fz`"),
 )
 TERMS: Final[Mapping[str, Term]] = {term.name: term for term in _TERMS}
-_SET_OF: Final = ("full", "forecast")  # which set holds a term that is not in "sensors": measured, forecast
 
 
 def chosen_terms(observation: str | Sequence[str]) -> tuple[Term, ...]:
-    """The terms of a set (``sensors``, ``full``, ``forecast``) or of a list of names, in that order.
+    """The terms of a set (``sensors``, ``full``, ``forecast``, ``oracle``) or of a list of names, in that order.
 
     Raises:
         ConfigurationError: A name is unknown, the list is empty or names a term twice, or a forecast stands there
             without the term it is a forecast of.
     """
     if isinstance(observation, str):
-        return tuple(term for term in _TERMS if term.basic or observation == _SET_OF[bool(term.forecast_of)])
+        return tuple(term for term in _TERMS if term.basic or observation == term.kind)
     for name in observation:
         if name not in TERMS:
             close = difflib.get_close_matches(name, TERMS, n=3)
@@ -195,6 +222,35 @@ def chosen_terms(observation: str | Sequence[str]) -> tuple[Term, ...]:
     return tuple(TERMS[name] for name in observation)
 
 
+def observed_terms(task: TaskConfig) -> tuple[Term, ...]:
+    """Every term of a task's observation: those it chooses, and behind them the past readings of its history.
+
+    Raises:
+        ConfigurationError: As of `chosen_terms`; or the history names a term that is not observed, or no measured one.
+    """
+    terms = chosen_terms(task.observation)
+    if task.history is None:
+        return terms
+    present = {term.name: term for term in terms if term.sensor}
+    for name in task.history.terms:
+        if name not in present:
+            raise ConfigurationError(
+                f"task: history.terms names {name!r}: must be a measured term of the observation, such as "
+                f"{', '.join(list(present)[:3]) or 'those of the set sensors'}."
+            )
+    if len(set(task.history.terms)) < len(task.history.terms):
+        raise ConfigurationError(f"task: history.terms = {list(task.history.terms)}: name none twice.")
+    lags = [k * task.history.every_s for k in range(1, task.history.samples + 1)]
+    return terms + tuple(_past(present[name], lag) for name in task.history.terms for lag in lags)
+
+
+def _past(term: Term, lag_s: float) -> Term:
+    return Term(
+        f"{term.name}_before_{lag_s:.4g}s", f"reading of `{term.name}` {lag_s:.4g} s before", term.unit, term.scale,
+        0.0, _nothing_yet, sensor=False, basic=False, past_of=term.name, lag_s=lag_s,
+    )  # fmt: skip
+
+
 def _places(pairs: Iterable[tuple[int, int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Places in the observation and rows of the table they are read from."""
     found = np.array(list(pairs), dtype=np.int64).reshape(-1, 2)
@@ -205,7 +261,7 @@ class Observer:
     """Turns a reading into scaled numbers, and measured numbers into an observation.
 
     Args:
-        task: The task; `observation` and `observation_clip` are used.
+        task: The task; `observation`, `history` and `observation_clip` are used.
 
     Attributes:
         terms: The terms, in order.
@@ -215,7 +271,7 @@ class Observer:
     """
 
     def __init__(self, task: TaskConfig) -> None:
-        self.terms = chosen_terms(task.observation)
+        self.terms = observed_terms(task)
         self.size = len(self.terms)
         self.clip = task.observation_clip
         self.sensors = np.array([k for k, term in enumerate(self.terms) if term.sensor], dtype=np.int64)

@@ -24,8 +24,9 @@ from ssmash_gym.ship import MotionTable
 from ssmash_gym.vehicle.geometry import rotation
 
 if TYPE_CHECKING:
-    from ssmash_gym.envs.batch_env import StepResult, TraverseBatch
+    from ssmash_gym.envs.batch_env import TraverseBatch
     from ssmash_gym.envs.rendering import Renderer, Scene
+    from ssmash_gym.envs.step import StepResult
 
 Array = NDArray[np.float64]
 _TRACE_S: Final = 30.0

@@ -75,7 +75,8 @@ def _command_rate(r: Reading, o: Outcome) -> Array:
 
 
 def _time(r: Reading, o: Outcome) -> Array:
-    return np.full(o.progress.shape, -r.task.reward.time_per_s * r.task.control_interval_s)
+    w = r.task.reward
+    return np.where(r.time_s > w.time_free_s + 1e-9, -w.time_per_s * r.task.control_interval_s, 0.0)
 
 
 def _success(r: Reading, o: Outcome) -> Array:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.envs.batch_env import BatchSnapshot, TraverseBatch
+from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.spaces import BATCH_RENDER_MODES, action_space, checked_render_mode, metadata, observation_space
+from ssmash_gym.envs.step import BatchSnapshot
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.envs.traverse import reset_info
 from ssmash_gym.simulation.telemetry import Telemetry
@@ -60,6 +61,7 @@ class TraverseVecEnv(VecEnv):
         shown = range(num_envs) if self.render_mode == "rgb_array" else ()
         self._films = [Film(self.core, k, "rgb_array") for k in shown]
         self._actions: Array = np.zeros((num_envs, 2))
+        self.last_costs: dict[str, Array] = {}  # of the last interval, by name of the limit, (num_envs,) each
         super().__init__(num_envs, observation_space(self.core), action_space())
         self.metadata = metadata(self.core, BATCH_RENDER_MODES)
 
@@ -96,6 +98,7 @@ class TraverseVecEnv(VecEnv):
     def step_wait(self) -> tuple[NDArray[np.float32], NDArray[np.float32], Array, list[dict[str, Any]]]:
         """One control interval for all; ended episodes start anew at once."""
         result = self.core.step(self._actions)
+        self.last_costs = result.costs
         for film in self._films:
             film.note(result)
         infos: list[dict[str, Any]] = [{"cost": cost} for cost in result.cost.tolist()]

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs import motions
-from ssmash_gym.envs.loading import load
+from ssmash_gym.envs.loading import load, merged
 from ssmash_gym.envs.motions import MotionRanges, RecordedMotions
 from ssmash_gym.envs.ranges import Constant, Range, within
 from ssmash_gym.envs.seaways import SeawayMotions
@@ -56,6 +56,10 @@ class Claw(_Section):
     ripple_along_m: Annotated[Range, within(0.0, 0.1)] | None = Field(None, description="ripple amplitude, x [m]")
     ripple_across_m: Annotated[Range, within(0.0, 0.1)] | None = Field(None, description="ripple amplitude, y [m]")
     ripple_phase_deg: Range = Field(_ZERO, description="phase of the ripple when the lead-in starts [deg]")
+    y_travel_m: Annotated[Range, within(0.001, 10.0)] | None = Field(None, description="lateral travel either way [m]")
+    speed_across_m_s: Annotated[Range, within(1e-4, 10.0)] | None = Field(
+        None, description="speed across at which the drive saturates [m/s]; commands stay shares of the task's speed"
+    )
 
 
 class Sensors(_Section):
@@ -152,6 +156,8 @@ class EpisodeDraw:
     claw_ripple_along_m: float | None
     claw_ripple_across_m: float | None
     claw_ripple_phase_deg: float
+    claw_y_travel_m: float | None
+    claw_speed_across_m_s: float | None
     sensors_noise: float
     sensors_delay_s: float
     motion: dict[str, Any]
@@ -252,10 +258,14 @@ _PLACES: Final = (
     "wind.speed_factor",
     "wind.from_waves_deg",
     *motions.LATER,
+    "claw.y_travel_m",
+    "claw.speed_across_m_s",
 )
 _DRAWN: Final = tuple(name for name in _PLACES if name.split(".")[0] not in ("motion", "wind"))
 _WIND: Final = tuple(field.replace("_", ".", 1) for field in WIND)
-_MAY_BE_NONE: Final = ("claw_delay_s", "claw_ripple_along_m", "claw_ripple_across_m")
+_MAY_BE_NONE: Final = (
+    "claw_delay_s", "claw_ripple_along_m", "claw_ripple_across_m", "claw_y_travel_m", "claw_speed_across_m_s",
+)  # fmt: skip
 _SECTIONS: Final[dict[str, type[BaseModel]]] = {
     "start": Start, "wind": FreeWind, "helicopter": Helicopter, "claw": Claw, "sensors": Sensors,
 }  # fmt: skip
@@ -264,6 +274,17 @@ _TWICE: Final = (
     "which would count twice"
 )
 _RESERVED: Final = 64
+
+
+def changed_scenario(scenario: ScenarioConfig, changes: Mapping[str, Any] | ScenarioConfig) -> ScenarioConfig:
+    """The scenario with changes laid over it, as a mapping changes a file (`loading.merged`).
+
+    Raises:
+        ConfigurationError: Unknown key, or a value that is not allowed.
+    """
+    if isinstance(changes, ScenarioConfig):
+        return changes
+    return validated(ScenarioConfig, merged(scenario.model_dump(mode="json"), changes), "scenario")
 
 
 def load_scenario(scenario: str | Path | Mapping[str, Any] | ScenarioConfig = "training") -> ScenarioConfig:

@@ -1,4 +1,4 @@
-"""What is measured: noise and delay of the sensors, and the forecasts that are made from their readings.
+"""What is measured: noise and delay of the sensors, and what is made of their readings: forecasts and history.
 
 Each helicopter has its own generator, delay and noise level.
 """
@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.envs.forecasts import ForecastBank
+from ssmash_gym.envs.history import HistoryBank
 from ssmash_gym.envs.observations import Observer
+from ssmash_gym.envs.oracle import OracleBank
 from ssmash_gym.envs.scenario import EpisodeDraw
 from ssmash_gym.envs.starts import Starter
 
@@ -41,6 +43,12 @@ class Instruments:
         self._forecasts: ForecastBank | None = None
         if any(term.forecast_of for term in observer.terms):
             self._forecasts = ForecastBank(n, observer, starter, self.longest_delay_s)
+        self._oracle: OracleBank | None = None
+        if any(term.oracle_of for term in observer.terms):
+            self._oracle = OracleBank(n, observer, starter)
+        self._history: HistoryBank | None = None
+        if any(term.past_of for term in observer.terms):
+            self._history = HistoryBank(n, observer, starter.task.control_interval_s)
 
     @property
     def longest_delay_s(self) -> float:
@@ -52,6 +60,12 @@ class Instruments:
         """Whether any helicopter can have noise."""
         return self._sensors.noisy
 
+    def serve(self, starter: Starter) -> None:
+        """Take the motions of later episodes from another starter of the same task."""
+        for bank in (self._forecasts, self._oracle):
+            if bank is not None:
+                bank.serve(starter)
+
     def start(self, columns: Columns, draws: Sequence[EpisodeDraw], scaled: Array) -> None:
         """Begin episodes of the listed columns and measure their first instant; `scaled` is (m, size)."""
         seeds = [draw.sensor_seed for draw in draws]
@@ -59,12 +73,17 @@ class Instruments:
         scaled[:, self._places] = self._sensors.start(columns, seeds, levels, delays, scaled[:, self._places])
         if self._forecasts is not None:
             self._forecasts.start(columns, draws, scaled)
+        if self._oracle is not None:
+            self._oracle.start(columns, draws, scaled)
+        if self._history is not None:
+            self._history.start(columns, scaled)
 
     def read(self, columns: Columns, scaled: Array) -> None:
         """Measure one instant of the listed columns; `scaled` is (m, size)."""
         scaled[:, self._places] = self._sensors.read(columns, scaled[:, self._places])
-        if self._forecasts is not None:
-            self._forecasts.read(columns, scaled)
+        for bank in (self._forecasts, self._oracle, self._history):
+            if bank is not None:
+                bank.read(columns, scaled)
 
     def snapshot(self) -> dict[str, Any]:
         """A copy of everything that changes."""
@@ -75,9 +94,11 @@ class Instruments:
         for name, bank in self._banks().items():
             bank.restore(snapshot[name], columns)
 
-    def _banks(self) -> dict[str, SensorBank | ForecastBank]:
-        banks: dict[str, SensorBank | ForecastBank] = {"sensors": self._sensors}
-        return banks if self._forecasts is None else {**banks, "forecasts": self._forecasts}
+    def _banks(self) -> dict[str, SensorBank | ForecastBank | OracleBank | HistoryBank]:
+        banks = {
+            "sensors": self._sensors, "forecasts": self._forecasts, "oracle": self._oracle, "history": self._history,
+        }  # fmt: skip
+        return {name: bank for name, bank in banks.items() if bank is not None}
 
 
 class SensorBank:

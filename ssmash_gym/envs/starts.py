@@ -167,10 +167,12 @@ class Starter:
     def _check_ranges(self) -> None:
         self._check_motion()  # first: an example of a bad motion would be refused as a draw
         lateral = self.scenario.bounds("start.lateral_m") or (0.0, 0.0)
-        if max(abs(lateral[0]), abs(lateral[1])) > self.task.claw.y_travel_m:
+        least = self.scenario.bounds("claw.y_travel_m")
+        travel_m = self.task.claw.y_travel_m if least is None else least[0]
+        if max(abs(lateral[0]), abs(lateral[1])) > travel_m:
             raise ConfigurationError(
                 f"scenario: start.lateral_m reaches {lateral[0]:g} to {lateral[1]:g} m: must lie within the claw's "
-                f"lateral travel of {self.task.claw.y_travel_m:g} m."
+                f"lateral travel of {travel_m:g} m."
             )
         example = self.scenario.sample(np.random.default_rng(0)).to_dict()
         for end in (0, 1):
@@ -227,7 +229,10 @@ class Starter:
         rooms = {
             "claw_delay_s": (claw_s, "s, the longest claw delay of this task and scenario"),
             "sensors_delay_s": (longest_sensor_delay_s, "s, the longest sensor delay of this scenario"),
-            "start_lateral_m": (self.task.claw.y_travel_m, "m either way, the claw's lateral travel"),
+            "start_lateral_m": (
+                self.task.claw.y_travel_m if draw.claw_y_travel_m is None else draw.claw_y_travel_m,
+                "m either way, the claw's lateral travel",
+            ),
         }
         for field, (most, what) in rooms.items():
             value = getattr(draw, field)
@@ -257,6 +262,8 @@ class Starter:
             column[Par.RIPPLE_X] = draw.claw_ripple_along_m
         if draw.claw_ripple_across_m is not None:
             column[Par.RIPPLE_Y] = draw.claw_ripple_across_m
+        if draw.claw_y_travel_m is not None:
+            column[Par.CLAW_Y_MIN], column[Par.CLAW_Y_MAX] = -draw.claw_y_travel_m, draw.claw_y_travel_m
         column[Par.RIPPLE_PHASE] = np.deg2rad(draw.claw_ripple_phase_deg)
         return column
 

@@ -20,7 +20,7 @@ from ssmash_gym.simulation.parameters import Modes
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-OBSERVATIONS: Final = ("sensors", "full", "forecast")  # the named sets
+OBSERVATIONS: Final = ("sensors", "full", "forecast", "oracle")  # the named sets
 
 
 class Section(BaseModel):
@@ -107,9 +107,26 @@ class Reward(Section):
     command_change: NotNegative = Field(
         description="for the squared change of the applied command; assumed: hunting at 10 Hz is a limit cycle"
     )
-    time_per_s: NotNegative = Field(description="for each second [1/s]; assumed")
+    time_per_s: NotNegative = Field(description="for each second after `time_free_s` [1/s]; assumed")
+    time_free_s: NotNegative = Field(0.0, description="time that costs nothing [s]; assumed: haste is load")
     success: NotNegative = Field(description="for the goal, held [1]; assumed")
     failure: NotNegative = Field(description="lost with any other termination [1]; assumed")
+
+
+class History(Section):
+    """Past readings that stand in the observation behind the present ones."""
+
+    terms: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="terms of the observation")
+    samples: Annotated[int, Field(ge=1, le=100)] = Field(description="readings of each before the present one")
+    every_s: Positive = Field(description="time between two of them [s]: whole control intervals")
+
+
+class Residual(Section):
+    """The action is a correction: command = the baseline's + bound * action, clipped to +-1."""
+
+    baseline: str = Field(description="name of a baseline, which acts on the same observation")
+    along: Annotated[float, Field(ge=0.0, le=2.0)] = Field(description="bound of the correction along the track [1]")
+    across: Annotated[float, Field(ge=0.0, le=2.0)] = Field(description="bound of the correction across [1]")
 
 
 class Models(Section):
@@ -142,8 +159,12 @@ class TaskConfig(Section):
     limits: Limits
     corridor: Corridor
     reward: Reward
-    observation: Literal["sensors", "full", "forecast"] | tuple[str, ...] = Field(description="a set, or terms")
+    observation: Literal["sensors", "full", "forecast", "oracle"] | tuple[str, ...] = Field(
+        description="a set, or terms"
+    )
     observation_clip: Positive = Field(description="bound of every scaled observation [1]")
+    history: History | None = Field(None, description="past readings behind the observation; none by default")
+    residual: Residual | None = Field(None, description="the action corrects a baseline; none by default")
     models: Models
 
     @field_validator("observation", mode="before")
@@ -160,10 +181,13 @@ class TaskConfig(Section):
             ("horizon_s", self.horizon_s),
             ("lead_in.duration_s", self.lead_in.duration_s),
             ("goal.hold_s", self.goal.hold_s),
+            ("history.every_s", self.history.every_s if self.history else 0.0),
         ):
             ratio = value / self.control_interval_s
             if abs(ratio - round(ratio)) > 1e-6 * max(ratio, 1.0):
                 raise ValueError(f"{key} = {value}: must be a whole number of intervals of {self.control_interval_s} s")
+        if self.history is not None and self.history.every_s < 0.5 * self.control_interval_s:
+            raise ValueError(f"history.every_s = {self.history.every_s}: must be at least {self.control_interval_s} s")
         if self.horizon_s < self.control_interval_s:
             raise ValueError(f"horizon_s = {self.horizon_s}: must be at least {self.control_interval_s} s")
         if not self.claw.x_min_m <= self.track.start_x_m < self.track.goal_x_m <= self.claw.x_max_m:

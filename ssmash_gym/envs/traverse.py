@@ -10,10 +10,11 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from ssmash_gym.envs.batch_env import ACTIONS, BatchSnapshot, TraverseBatch
+from ssmash_gym.envs.batch_env import ACTIONS, TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.spaces import action_space, checked_options, checked_render_mode, metadata, observation_space
+from ssmash_gym.envs.step import BatchSnapshot
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.vehicle import Helicopter

@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ssmash_gym.envs.batch_env import BatchSnapshot, StepResult, TraverseBatch
+from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.pictures import Film
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.spaces import (
@@ -22,6 +22,7 @@ from ssmash_gym.envs.spaces import (
     metadata,
     observation_space,
 )
+from ssmash_gym.envs.step import BatchSnapshot, StepResult
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.envs.traverse import reset_info
 from ssmash_gym.errors import ConfigurationError, shown

@@ -2,85 +2,191 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Final
 
 import numpy as np
 import polars as pl
+import tyro
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 import ssmash_gym
 from ssmash_gym.envs.loading import names
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.evaluation import report
-from ssmash_gym.evaluation.episodes import run_episodes
+from ssmash_gym.evaluation.episodes import run_episodes, share_of
 from ssmash_gym.evaluation.film import film_episode, require_rendering
 from ssmash_gym.evaluation.policies import Policy, baselines, find_agent, make_baseline
+from ssmash_gym.evaluation.report import (
+    plot_peaks,
+    require_matplotlib,
+    sentences,
+    severity_table,
+    table,
+)
+from ssmash_gym.evaluation.study import StudyConfig, load_study
+from ssmash_gym.evaluation.study_verb import chosen_study, evaluate_study
 from ssmash_gym.evaluation.summary import comparison, numbers, policy_summary
 from ssmash_gym.files import whole_file, write_text
+from ssmash_gym.progress import Advance, progress_bar
 from ssmash_gym.training.agent import Agent, fingerprint
 from ssmash_gym.training.seeds import EVALUATION, block
 
+AGAINST: Final = "trapezoid,hold,yield"
+EPISODES: Final = 200
+Agents = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
+
 
 def evaluate(
-    agent: str | None = None,
-    against: str = "trapezoid,hold,yield",
-    episodes: int = 200,
-    seed: int = 0,
+    agent: Agents = (),
+    against: str | None = None,
+    episodes: int | None = None,
+    seed: int | None = None,
     out: Path = Path("runs/evaluation"),
     scenario: Path | None = None,
     task: Path | None = None,
     threads: int | None = None,
     plots: bool = True,
     film: bool = True,
+    study: str | None = None,
+    conditions: str | None = None,
+    report: Path | None = None,
 ) -> None:
-    """Compare an agent with the baselines on the same frozen seeds.
+    """Compare an agent with the baselines on the same frozen seeds, or run a whole study.
 
-    Writes ``summary.json``, ``episodes.parquet`` (one row an episode and policy), ``peaks.png`` and ``episode.mp4``.
+    Writes ``summary.json``, ``episodes.parquet`` (one row an episode and policy), ``peaks.png`` and ``episode.mp4``;
+    of a study ``rows/*.parquet``, ``study.json`` and ``summary.json``. A study that was stopped is gone on with by the
+    same command.
 
     Args:
-        agent: Run folder, agent's folder, checkpoint, or name; baselines alone without it.
-        against: Names of baselines, with commas.
-        episodes: Episodes of each policy.
-        seed: Chooses the block of seeds; no block holds a seed that training has seen.
+        agent: Run folder, agent's folder, checkpoint, or name; baselines alone without it. In a study several may be
+            given, also as NAME=FOLDER,FOLDER: several training seeds of one agent.
+        against: Names of baselines, with commas: trapezoid,hold,yield by default; in a study all of its own.
+        episodes: Episodes of each policy, 200 by default; in a study its own number, or fewer.
+        seed: Chooses the block of seeds, 0 by default; no block holds a seed that training has seen.
         out: Folder for the results.
         scenario: Seas, winds and so on: YAML file or name; those the agent was trained in by default.
         task: The task: YAML file or name; the agent's own by default.
         threads: Threads of the simulation; the results do not depend on them.
         plots: Draw the plots (extra ``plot``).
         film: Film one episode of the agent (extra ``render``).
+        study: Name of a study (standard, smoke) or its YAML file.
+        conditions: Conditions of the study to run, with commas; all by default.
+        report: Folder for a page with all figures and a film, of a study or of this comparison (extra ``report``).
 
     Raises:
         ConfigurationError: A name, a file or a number is refused; nothing has been written.
         ImportError: A library is missing; the sentence names the extra.
     """
-    if episodes < 1:
+    agents = (agent,) if isinstance(agent, str) else tuple(agent or ())
+    if episodes is not None and episodes < 1:
         raise ConfigurationError(f"--episodes {episodes} is refused: at least 1.")
-    if seed < 0:
+    if seed is not None and seed < 0:
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
+    if study is not None:
+        refuse_beside_study({"--seed": seed, "--scenario": scenario, "--task": task})
+        chosen_one, name = chosen_study(study, against, conditions, episodes)
+        evaluate_study(chosen_one, name, agents, out, threads=threads, report=report, film=film)
+        return
+    one = only_agent(agents, conditions)
+    others, count, number = against if against is not None else AGAINST, episodes or EPISODES, seed or 0
+    if report is not None:
+        of_words = plain_study(one, others, count, number, scenario, task)
+        learned = () if one is None or one in baselines() else agents
+        evaluate_study(of_words, "comparison", learned, out, threads=threads, report=report, film=film)
+        return
+    compare(one, others, count, number, out, scenario, task, threads, plots, film)
+
+
+def only_agent(agents: Sequence[str], conditions: str | None) -> str | None:
+    """The agent of a comparison that is no study.
+
+    Raises:
+        ConfigurationError: There are several, or conditions of a study are named.
+    """
+    if conditions is not None:
+        raise ConfigurationError("--conditions is refused without --study: it names conditions of a study.")
+    if len(agents) > 1:
+        raise ConfigurationError("--agent is refused twice without --study: the comparison is of one agent.")
+    return agents[0] if agents else None
+
+
+def refuse_beside_study(options: dict[str, Any]) -> None:
+    """Refuse options that a study's file answers.
+
+    Raises:
+        ConfigurationError: One is given.
+    """
+    for option, value in options.items():
+        if value is not None:
+            raise ConfigurationError(f"{option} {value} is refused with --study: the study's file says that.")
+
+
+def plain_study(
+    agent: str | None, against: str, episodes: int, seed: int, scenario: Path | None, task: Path | None
+) -> StudyConfig:
+    """The comparison of one agent with baselines as a study of one condition; the arguments are those of `evaluate`.
+
+    Raises:
+        ConfigurationError: A name, a file or a number is refused.
+    """
+    policies, seas, name = chosen(agent, against, scenario, task)
+    scripted = [policy.name for policy in policies if not isinstance(policy, Agent)]
+    judged = policies[0].task.model_dump(mode="json", exclude={"residual", "history"})
+    condition = {"scenario": seas.model_dump(mode="json"), "task": judged, "description": seas.description or name}
+    place = re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
+    document = {
+        "description": f"A comparison in the scenario {name}.",
+        "seed": seed,
+        "episodes": episodes,
+        "conditions": {place: condition},
+        "runs": [{"conditions": [place], "policies": scripted, "agents": True}],
+        "roles": {"laws": [one for one in scripted if one.startswith("yield")]},
+    }
+    return load_study(document)
+
+
+def compare(
+    agent: str | None,
+    against: str,
+    episodes: int,
+    seed: int,
+    out: Path,
+    scenario: Path | None,
+    task: Path | None,
+    threads: int | None,
+    plots: bool,
+    film: bool,
+) -> None:
+    """One policy against others on the same frozen seeds; the arguments are those of `evaluate`.
+
+    Raises:
+        ConfigurationError: A name, a file or a number is refused; nothing has been written.
+        ImportError: A library is missing; the sentence names the extra.
+    """
     if plots:
-        report.require_matplotlib()
+        require_matplotlib()
     if film and agent is not None:
         require_rendering()
     policies, seas, name = chosen(agent, against, scenario, task)
     console = Console()
-    seeds = block(seed, EVALUATION, episodes)
-    rows = run_all(policies, seas, seeds, threads, console)
+    rows = run_all(policies, seas, block(seed, EVALUATION, episodes), threads)
     summary = summarised(policies, rows, seas, name, seed)
     write_results(out, summary, rows)
     shown = Console(width=max(console.width, 140)) if not console.is_terminal else console
     title = f"scenario {name}, {episodes} episodes, seed {seed}"
-    shown.print(report.table(summary["policies"], title))
-    shown.print(report.severity_table(summary["policies"]))
+    shown.print(table(summary["policies"], title))
+    shown.print(severity_table(summary["policies"]))
     if "comparison" in summary:
-        for sentence in report.sentences(policies[0].name, summary["comparison"]):
+        for sentence in sentences(policies[0].name, summary["comparison"]):
             shown.print(sentence)
     if plots:
-        report.plot_peaks(rows, policies[0].task.limits.probe_in_plane_kN, out / "peaks.png", title)
+        plot_peaks(rows, policies[0].task.limits.probe_in_plane_kN, out / "peaks.png", title)
     if film and agent is not None:
         film_episode(policies[0], seas, typical_seed(rows[policies[0].name]), out / "episode.mp4")
     console.print(f"results in {out}")
@@ -126,21 +232,21 @@ def with_observation(task: TaskConfig, other: TaskConfig) -> TaskConfig:
 
 
 def run_all(
-    policies: list[Policy], scenario: ScenarioConfig, seeds: list[int], threads: int | None, console: Console
+    policies: list[Policy], scenario: ScenarioConfig, seeds: list[int], threads: int | None
 ) -> dict[str, pl.DataFrame]:
     """Rows of episodes of each policy, by name."""
-    progress = Progress(
-        TextColumn("{task.description:>14}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"), TimeElapsedColumn(),
-        console=console, disable=not console.is_terminal,
-    )  # fmt: skip
-    rows = {}
-    with progress:
-        for policy in policies:
-            bar = progress.add_task(policy.name, total=len(seeds) * policy.task.horizon_steps)
-            tell = lambda steps, bar=bar: progress.advance(bar, steps)  # noqa: E731
-            rows[policy.name] = run_episodes(policy, scenario, seeds, threads=threads, tell=tell)
-            progress.update(bar, completed=len(seeds) * policy.task.horizon_steps)
+    rows: dict[str, pl.DataFrame] = {}
+    with progress_bar("episodes", shown=Console(stderr=True).is_terminal) as advance:
+        for k, policy in enumerate(policies):
+            tell = functools.partial(_told, advance, policy.name, k, len(policies))
+            counted = share_of(len(seeds) * policy.task.horizon_steps, tell)
+            rows[policy.name] = run_episodes(policy, scenario, seeds, threads=threads, tell=counted)
     return rows
+
+
+def _told(advance: Advance, name: str, number: int, policies: int, share: float) -> None:
+    """Tell the bar of one policy under way."""
+    advance((number + share) / policies, name)
 
 
 def summarised(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import Protocol, cast
 
@@ -53,16 +55,49 @@ def baselines() -> Mapping[str, Callable[[TaskConfig], Policy]]:
     return cast("Mapping[str, Callable[[TaskConfig], Policy]]", registry)
 
 
+def planners() -> Mapping[str, Callable[[TaskConfig], Policy]]:
+    """The policies that look ahead on copies of the simulation, by name: each makes itself for a task."""
+    registry = import_module("ssmash_gym.agents.planning").PLANNERS
+    return cast("Mapping[str, Callable[[TaskConfig], Policy]]", registry)
+
+
 def make_baseline(name: str, task: TaskConfig) -> Policy:
-    """A scripted policy.
+    """A scripted policy or a planner; its commands are the claw's, whatever an agent's residual action corrects.
+
+    Args:
+        name: Of `baselines` or `planners`; ``NAME@SPEED`` drives along the track at so many m/s.
+        task: The task it is to be used in.
 
     Raises:
         ConfigurationError: There is none of that name, or the task's observation lacks what it reads.
     """
-    known = baselines()
-    if name not in known:
-        raise ConfigurationError(f"there is no baseline {name!r}; there are {', '.join(known)}.")
-    return known[name](task)
+    plain, at, speed = name.partition("@")
+    make = baselines().get(plain)
+    if make is None:  # planners are looked at second: they take longer to import
+        make = planners().get(plain)
+    if make is None:
+        known = ", ".join((*baselines(), *planners()))
+        raise ConfigurationError(f"there is no baseline {name!r}; there are {known}.")
+    own = task.model_copy(update={"residual": None})
+    return _at_speed(make, name, speed, own) if at else make(own)
+
+
+def _at_speed(make: Callable[..., Policy], name: str, speed: str, task: TaskConfig) -> Policy:
+    """The same baseline at another speed along the track, called by the whole name."""
+    if "speed_m_s" not in signature(make).parameters:
+        raise ConfigurationError(f"policy {name!r} is refused: {name.partition('@')[0]} has no speed to choose.")
+    try:
+        speed_m_s = float(speed)
+    except ValueError:
+        speed_m_s = math.nan
+    if not 0.0 < speed_m_s <= task.claw.speed_along_m_s:
+        raise ConfigurationError(
+            f"policy {name!r} is refused: the speed must be a number above 0 and at most "
+            f"{task.claw.speed_along_m_s:g} m/s, the claw's."
+        )
+    policy = make(task, speed_m_s=speed_m_s)
+    policy.name = name  # type: ignore[misc]  # an attribute of the class otherwise
+    return policy
 
 
 def trained() -> dict[str, Path]:
@@ -80,16 +115,25 @@ def find_agent(name_or_folder: str) -> Agent:
     Raises:
         ConfigurationError: There is none, or its folder is not complete.
     """
+    return load_agent(agent_folder(name_or_folder))
+
+
+def agent_folder(name_or_folder: str) -> Path:
+    """The folder of a trained agent, see `find_agent`.
+
+    Raises:
+        ConfigurationError: There is none.
+    """
     shipped = trained()
     if name_or_folder in shipped:
-        return load_agent(shipped[name_or_folder])
+        return shipped[name_or_folder]
     folder = Path(name_or_folder)
     if folder.is_file():  # the pointer `latest` where links are not allowed
         folder = folder.parent / folder.read_text(encoding="utf-8").strip()
     if (folder / ABOUT).is_file():
-        return load_agent(folder)
+        return folder
     if (folder / "agent" / ABOUT).is_file():
-        return load_agent(folder / "agent")
+        return folder / "agent"
     if (folder / "training.yaml").is_file():
         raise ConfigurationError(
             f"{folder}: this run has not been finished; name one of its checkpoints, or go on with train.py --resume."

@@ -1,17 +1,19 @@
-"""What a person sees of an evaluation: a table and two plots."""
+"""What a person sees of an evaluation at once: tables in the terminal and two plots."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import polars as pl
+from rich.markup import escape
 from rich.table import Table
 
 from ssmash_gym.errors import require
 from ssmash_gym.evaluation.summary import FEWEST, numbers
+from ssmash_gym.evaluation.targets import HOLDS, HOLDS_NOT
 from ssmash_gym.files import whole_file
 
 COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")  # distinct to most eyes
@@ -76,6 +78,46 @@ def severity_table(policies: Mapping[str, Mapping[str, Any]]) -> Table:
             highest = "-" if load["p95"] is None else f"{load['p95']:.1f}"
             cells.append(f"{load['mean']:.1f} / {highest}, {100 * band['success_rate']:.0f}")
         found.add_row(name, *cells)
+    return found
+
+
+def study_tables(summary: Mapping[str, Any]) -> list[Table]:
+    """A study in the terminal: a table of the conditions, and one of the aims where there are any.
+
+    Args:
+        summary: Contents of the study's ``summary.json``.
+    """
+    names = list(dict.fromkeys(name for one in summary["conditions"].values() for name in one["policies"]))
+    found = Table(
+        title=f"study {summary['study']}: peak probe load P95 kN, success %",
+        caption="\\[...]: 95 % interval of the P95; a failed episode counts with the ultimate load",
+    )
+    found.add_column("condition")
+    for name in names:
+        found.add_column(name, justify="right")
+    for condition, one in summary["conditions"].items():
+        found.add_row(condition, *(_study_cell(one["policies"].get(name)) for name in names))
+    aims = summary.get("targets") or ()
+    return [found, _aims(aims)] if aims else [found]
+
+
+def _study_cell(figures: Mapping[str, Any] | None) -> str:
+    """P95 with its interval, and success, of one policy in one condition."""
+    if figures is None:
+        return "-"
+    load, success = figures["peak_probe_kN"]["p95"], figures["success"]["value"]
+    interval = f" {_interval(load['ci'])}" if load["ci"] else ""
+    return f"{load['value']:.1f}{interval}, {100 * success:.0f}"
+
+
+def _aims(aims: Sequence[Mapping[str, Any]]) -> Table:
+    found = Table(title="aims", show_lines=False)
+    for heading in ("", "policy in condition", "aim", "figure [95 % interval]", "verdict"):
+        found.add_column(escape(heading))
+    for one in aims:
+        style = {HOLDS: "green", HOLDS_NOT: "bold red"}.get(one["verdict"], "")
+        words = (f"{one['policy']} in {one['condition']}", one["statement"], one["figure"])
+        found.add_row(str(one["line"]), *map(escape, words), one["verdict"], style=style)
     return found
 
 

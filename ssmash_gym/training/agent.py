@@ -1,13 +1,15 @@
 """A trained agent as a folder that stands on its own: `save_agent` writes it, `load_agent` reads it.
 
 ```
-agent.json        what it is: name, version, shape of the network, observation terms, how it was trained
+agent.json        what it is: name, versions, network, every input with its scale, how it was trained
 policy.npz        weights of the policy, plain numbers: enough to act
-policy.zip        the same for Stable-Baselines3, with the value network and the optimiser: to train on
-normaliser.json   moments of observations and rewards (an agent is refused without it)
+policy.zip        the same for Stable-Baselines3, with value networks and optimisers: to train on
+normaliser.json   moments of observations and rewards, plain numbers (an agent is refused without it)
 task.yaml scenario.yaml training.yaml   resolved configurations
 README.md         model card
 ```
+
+A shipped agent holds more: see `ssmash_gym.training.ship`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,16 +28,21 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from ssmash_gym.document import write_yaml
-from ssmash_gym.envs.observations import chosen_terms
+from ssmash_gym.envs.observations import chosen_terms, observed_terms
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
+from ssmash_gym.training.card import brief_card
 from ssmash_gym.training.config import TrainingConfig, load_training
 from ssmash_gym.training.network import ACTIVATIONS, Network, policy_network
 from ssmash_gym.training.normaliser import Normaliser
 
-FORMAT: Final = 1
+FORMAT: Final = 2
+READABLE: Final = (1, 2)  # 1: networks without `squash`
+# Of the run, not of the model; the schedule is a class of this package, which the file must not depend on.
+NOT_KEPT: Final = ("ep_info_buffer", "ep_success_buffer", "_last_obs", "learning_rate", "lr_schedule")
+OF_THE_AGENT: Final = ("history", "residual")  # keys of the task that go with the agent wherever it acts
 ABOUT: Final = "agent.json"
 NORMALISER: Final = "normaliser.json"
 WEIGHTS: Final = "policy.npz"
@@ -68,19 +76,21 @@ class Agent:
         return np.clip(self.network(self.normaliser(observations)), -1.0, 1.0)
 
     def within(self, task: TaskConfig) -> Agent:
-        """The same agent in another task, e.g. with other limits.
+        """The same agent in another task, e.g. with other limits; its own history and residual action go with it.
 
         Raises:
-            ConfigurationError: The task is observed by other terms, or commanded at another interval.
+            ConfigurationError: The task is observed otherwise, or commanded at another interval.
         """
-        if [t.name for t in chosen_terms(task.observation)] != [t.name for t in chosen_terms(self.task.observation)]:
+        other = task.model_copy(update={key: getattr(self.task, key) for key in OF_THE_AGENT})
+        if list(chosen_terms(task.observation)) != list(chosen_terms(self.task.observation)):
             raise ConfigurationError(f"{self.name}: the task's observation terms are not those it was trained with.")
-        if task.control_interval_s != self.task.control_interval_s:
-            raise ConfigurationError(
-                f"{self.name}: control_interval_s = {task.control_interval_s:g} is refused: it was trained with "
-                f"{self.task.control_interval_s:g} s."
-            )
-        return replace(self, task=task)
+        for key in ("control_interval_s", "observation_clip"):
+            if getattr(task, key) != getattr(self.task, key):
+                raise ConfigurationError(
+                    f"{self.name}: {key} = {getattr(task, key):g} is refused: it was trained with "
+                    f"{getattr(self.task, key):g}."
+                )
+        return replace(self, task=other)
 
 
 def save_agent(
@@ -103,24 +113,27 @@ def save_agent(
         scenario: The same of the scenario.
         about: Further entries for ``agent.json`` (steps, seeds, versions).
     """
-    terms = [{"name": t.name, "unit": t.unit, "scale": t.scale} for t in chosen_terms(task.observation)]
+    network = policy_network(model.policy)
     record = {
         "format": FORMAT,
         "name": training.name,
-        "activation": training.network.activation,
-        "observation": terms,
+        "layers": network.sizes,
+        "activation": network.activation,
+        "squash": network.squash,
+        "observation": inputs(task),
+        "observation_clip": task.observation_clip,
         "action": ["along", "across"],
         "control_interval_s": task.control_interval_s,
         "configuration": fingerprint(training, task, scenario),
         **about,
     }
     with whole_folder(folder) as temporary:
-        np.savez(temporary / WEIGHTS, **policy_network(model.policy, training.network.activation).arrays())  # type: ignore[arg-type]
-        model.save(temporary / "policy.zip", exclude=["ep_info_buffer", "ep_success_buffer", "_last_obs"])
+        np.savez(temporary / WEIGHTS, **network.arrays())  # type: ignore[arg-type]
+        model.save(temporary / "policy.zip", exclude=list(NOT_KEPT))
         Normaliser.of(wrapper).write(temporary / NORMALISER)
         for name, section in (("training", training), ("task", task), ("scenario", scenario)):
             write_text(temporary / f"{name}.yaml", write_yaml(section.model_dump(mode="json")))
-        write_text(temporary / "README.md", model_card(record, training))
+        write_text(temporary / "README.md", brief_card(record, training))
         write_text(temporary / ABOUT, json.dumps(record, indent=1) + "\n")
 
 
@@ -135,21 +148,48 @@ def load_agent(folder: str | Path) -> Agent:
         raise ConfigurationError(f"{root}: there is no agent in this folder ({ABOUT} is missing).")
     normaliser = Normaliser.read(root / NORMALISER)
     about = json.loads((root / ABOUT).read_text(encoding="utf-8"))
-    if about.get("format") != FORMAT or about.get("activation") not in ACTIVATIONS:
-        raise ConfigurationError(
-            f"{root / ABOUT}: format {about.get('format')!r} is unknown; this version reads {FORMAT}."
-        )
+    given = about.get("format")
+    if given not in READABLE or about.get("activation") not in ACTIVATIONS:
+        newer = isinstance(given, int) and given > FORMAT
+        remedy = "; a newer ssmash_gym has written it: update" if newer else ""
+        raise ConfigurationError(f"{root / ABOUT}: format {given!r} is unknown; this version reads {FORMAT}{remedy}.")
     task = load_task(root / "task.yaml")
-    written = {entry["name"]: entry["scale"] for entry in about["observation"]}
-    present = {term.name: term.scale for term in chosen_terms(task.observation)}
-    if list(written.items()) != list(present.items()):
+    if [(entry["name"], entry["scale"]) for entry in about["observation"]] != [
+        (term.name, term.scale) for term in observed_terms(task)
+    ]:
         raise ConfigurationError(f"{root}: the agent was trained with other observation terms or scales than today's.")
-    with np.load(root / WEIGHTS) as arrays:
-        network = Network.of_arrays(arrays, about["activation"])
+    network = read_network(root / WEIGHTS, about)
+    ends, wanted = (network.sizes[0], network.sizes[-1]), (len(about["observation"]), len(about["action"]))
+    if ends != wanted:
+        raise ConfigurationError(
+            f"{root / WEIGHTS}: a network from {ends[0]} to {ends[1]} numbers does not fit {ABOUT}: {wanted[0]} to "
+            f"{wanted[1]}."
+        )
     return Agent(
         str(about["name"]), network, normaliser, task, load_scenario(root / "scenario.yaml"),
         load_training(root / "training.yaml"), about,
     )  # fmt: skip
+
+
+def read_network(path: Path, about: Mapping[str, Any]) -> Network:
+    """The network of an agent's folder.
+
+    Raises:
+        ConfigurationError: The file is missing, or holds something else.
+    """
+    try:
+        with np.load(path) as arrays:
+            return Network.of_arrays(arrays, about["activation"], bool(about.get("squash", False)))
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise ConfigurationError(f"{path}: the policy's numbers cannot be read ({error}).") from None
+
+
+def inputs(task: TaskConfig) -> list[dict[str, Any]]:
+    """What stands in each place of a task's observation, past readings included; ``agent.json`` holds it."""
+    return [
+        {"name": term.name, "meaning": term.meaning, "unit": term.unit, "scale": term.scale}
+        for term in observed_terms(task)
+    ]
 
 
 def fingerprint(*sections: BaseModel) -> str:
@@ -179,25 +219,3 @@ class whole_folder:
             self.temporary.rename(self.folder)
             shutil.rmtree(old, ignore_errors=True)
         shutil.rmtree(self.temporary, ignore_errors=True)
-
-
-def model_card(record: Mapping[str, Any], training: TrainingConfig) -> str:
-    """What a reader should know before using the agent, as Markdown."""
-    lines = [
-        f"# {record['name']}",
-        "",
-        training.description or "A policy for `ssmash/Traverse-v0`.",
-        "",
-        f"- Trained by proximal policy optimisation for {record.get('steps', 0):,} control intervals, seed "
-        f"{training.seed}, with ssmash_gym {record.get('versions', {}).get('ssmash_gym', '?')}.",
-        f"- Reads {len(record['observation'])} named observation terms (`agent.json`), acts every "
-        f"{record['control_interval_s']:g} s on the claw's velocity, along and across the track.",
-        f"- Policy: perceptron {' - '.join(map(str, training.network.layers))}, {training.network.activation}, "
-        "deterministic when evaluated; the normaliser is frozen.",
-        "- Trained in the seas, poses and disturbances of `scenario.yaml`; outside of them nothing is known.",
-        "- A research model on assumed numbers. Not for use on a ship.",
-        "",
-        "Use it: `evaluate.py --agent FOLDER`, or `ssmash_gym.training.agent.load_agent(FOLDER).act(observations)`.",
-        "",
-    ]
-    return "\n".join(lines)

@@ -6,7 +6,7 @@ import csv
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -16,59 +16,90 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ssmash_gym.envs.task import Reward
+from ssmash_gym.training.config import TrainingConfig
+from ssmash_gym.training.costs import Priced
 
 try:
     from stable_baselines3.common.callbacks import BaseCallback
 except ImportError as error:
     raise ImportError('training needs Stable-Baselines3: pip install "ssmash_gym[train]".') from error
 
-COLUMNS: Final = (
+EPISODES: Final = (
     "steps", "episodes", "success_rate", "aligned_rate", "failure_rate", "return_mean", "peak_probe_kN_mean",
-    "peak_probe_kN_p95", "time_s_median", "saturation_mean", "std_along", "std_across", "learning_rate",
-    "approx_kl", "clip_fraction", "value_loss", "explained_variance", "collect_s", "update_s", "wall_s",
+    "peak_probe_kN_p95", "time_s_median", "saturation_mean",
 )  # fmt: skip
-AGAIN_S: Final = 1.0
-LOGGED: Final = {
-    "learning_rate": "train/learning_rate",
-    "approx_kl": "train/approx_kl",
-    "clip_fraction": "train/clip_fraction",
-    "value_loss": "train/value_loss",
-    "explained_variance": "train/explained_variance",
+EXPLORATION: Final = ("std_along", "std_across")  # PPO's is the same everywhere, SAC's and TQC's is not
+LOGGED: Final[Mapping[str, Mapping[str, str]]] = {
+    "ppo": {
+        "learning_rate": "train/learning_rate",
+        "approx_kl": "train/approx_kl",
+        "clip_fraction": "train/clip_fraction",
+        "value_loss": "train/value_loss",
+        "explained_variance": "train/explained_variance",
+    },
+    "sac": {
+        "learning_rate": "train/learning_rate",
+        "entropy_weight": "train/ent_coef",
+        "actor_loss": "train/actor_loss",
+        "critic_loss": "train/critic_loss",
+    },
 }
+SECONDS: Final = ("collect_s", "update_s", "wall_s")
+AGAIN_S: Final = 1.0
 
 
 class Curve(BaseCallback):
     """Writes one line an update to ``curve.csv`` and the same numbers to TensorBoard.
 
-    The values of the optimiser and ``update_s`` are those of the update before the samples of the line.
+    The values of the optimiser and ``update_s`` are those of the update before the samples of the line. SAC and TQC
+    train many times between two lines: their values are those of the last training.
 
     Args:
         path: The file; lines beyond the model's steps are dropped when a run is resumed.
         show: Called with each line.
+        every: Control intervals of all helicopters together between two lines.
+        priced: The costs' wrapper, if there are costs.
     """
 
-    def __init__(self, path: Path, show: Callable[[dict[str, float]], None]) -> None:
+    def __init__(
+        self, path: Path, show: Callable[[dict[str, float]], None], every: int, priced: Priced | None = None
+    ) -> None:
         super().__init__()
-        self.path, self.show = path, show
+        self.path, self.show, self.every, self.priced = path, show, every, priced
         self.finished: list[dict[str, Any]] = []
         self.lines: list[dict[str, Any]] = []
         self.wall_s = 0.0
         self._collect_from = self._update_from = self._since = 0.0
+        self._collected_s = self._updated_s = 0.0
+        self._off_policy = False
 
     def _on_training_start(self) -> None:
+        self._off_policy = hasattr(self.model, "replay_buffer")
         if self.path.is_file():
             with self.path.open(newline="", encoding="utf-8") as file:
                 self.lines = [line for line in csv.DictReader(file) if int(line["steps"]) <= self.model.num_timesteps]
         self.wall_s = float(self.lines[-1]["wall_s"]) if self.lines else 0.0
         with self.path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, COLUMNS)
+            writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
             writer.writerows(self.lines)
         self._since = self._update_from = time.perf_counter()
 
+    @property
+    def logged(self) -> Mapping[str, str]:
+        """Keys of the optimiser's values in Stable-Baselines3's log, by column."""
+        return LOGGED["sac" if self._off_policy else "ppo"]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        exploration = () if self._off_policy else EXPLORATION
+        costs = () if self.priced is None else tuple(self.priced.told())
+        return (*EPISODES, *exploration, *self.logged, *SECONDS, *costs)
+
     def _on_rollout_start(self) -> None:
         self._collect_from = time.perf_counter()
+        self._updated_s += self._collect_from - self._update_from
 
     def _on_step(self) -> bool:
         for k in np.flatnonzero(self.locals["dones"]):
@@ -78,21 +109,33 @@ class Curve(BaseCallback):
         return True
 
     def _on_rollout_end(self) -> None:
-        now = time.perf_counter()
+        self._update_from = time.perf_counter()
+        self._collected_s += self._update_from - self._collect_from
+        if self.model.num_timesteps % self.every == 0:
+            self._write(self._line())
+
+    def _line(self) -> dict[str, float]:
+        """The numbers since the last line; counts anew."""
         line = summary(self.finished)
         self.finished = []
-        policy: Any = self.model.policy
-        std = np.exp(policy.log_std.detach().numpy())
-        line |= {"steps": self.model.num_timesteps, "std_along": float(std[0]), "std_across": float(std[1])}
-        line |= {name: float(self.logger.name_to_value.get(key, np.nan)) for name, key in LOGGED.items()}
-        line |= {"collect_s": now - self._collect_from, "update_s": self._collect_from - self._update_from}
-        line["wall_s"] = self.wall_s + now - self._since
-        self._update_from = now
+        line["steps"] = self.model.num_timesteps
+        if not self._off_policy:
+            policy: Any = self.model.policy
+            line |= dict(zip(EXPLORATION, np.exp(policy.log_std.detach().cpu().numpy()).tolist(), strict=True))
+        line |= {name: float(self.logger.name_to_value.get(key, np.nan)) for name, key in self.logged.items()}
+        line |= {"collect_s": self._collected_s, "update_s": self._updated_s}
+        line["wall_s"] = self.wall_s + self._update_from - self._since
+        self._collected_s = self._updated_s = 0.0
+        return line | ({} if self.priced is None else self.priced.told())
+
+    def _write(self, line: dict[str, float]) -> None:
         for name, value in line.items():
-            if name not in LOGGED and name != "steps" and np.isfinite(value):
+            if name not in self.logged and name != "steps" and np.isfinite(value):
                 self.logger.record(f"traverse/{name}", value)
+        if self._off_policy:  # PPO does it by itself
+            self.logger.dump(self.model.num_timesteps)
         with self.path.open("a", newline="", encoding="utf-8") as file:
-            csv.DictWriter(file, COLUMNS).writerow(
+            csv.DictWriter(file, self.columns).writerow(
                 {name: f"{value:.6g}" for name, value in line.items()} | {"steps": line["steps"]}
             )
         self.show(line)
@@ -125,45 +168,57 @@ class Keeper(BaseCallback):
         every_steps: Control intervals between two checkpoints.
         save: Writes a checkpoint.
         stop: Is set when the training shall stop.
+        unit: Control intervals of all helicopters together between two updates.
+
+    Attributes:
+        left: Whether the training was stopped before its end.
     """
 
-    def __init__(self, every_steps: int, save: Callable[[], None], stop: threading.Event) -> None:
+    def __init__(self, every_steps: int, save: Callable[[], None], stop: threading.Event, unit: int) -> None:
         super().__init__()
-        self.every_steps, self.save, self.stop = every_steps, save, stop
+        self.every_steps, self.save, self.stop, self.unit = every_steps, save, stop, unit
         self._saved_at = 0
-        self._leave = False
+        self.left = False
 
     def _on_training_start(self) -> None:
         self._saved_at = self.model.num_timesteps
 
     def _on_rollout_start(self) -> None:
         steps = self.model.num_timesteps
+        if steps % self.unit:
+            return
         if self.stop.is_set() or steps - self._saved_at >= self.every_steps:
             self.save()
             self._saved_at = steps
-        self._leave = self.stop.is_set()
+        self.left = self.stop.is_set()
 
     def _on_step(self) -> bool:
-        return not self._leave
+        return not self.left
 
 
 class Stages(BaseCallback):
-    """Changes the weights of the reward along the way.
+    """Changes the weights of the reward and the scenario along the way.
 
     Args:
-        core: The `TraverseBatch` that is trained on.
-        reward_at: The weights after so many steps.
+        core: The `TraverseBatch` that is trained on, as it is made at the start of a run.
+        settings: Says what holds from which step on.
     """
 
-    def __init__(self, core: Any, reward_at: Callable[[int, Reward], Reward]) -> None:
+    def __init__(self, core: Any, settings: TrainingConfig) -> None:
         super().__init__()
-        self.core, self.reward_at = core, reward_at
-        self._first = core.task.reward
+        self.core, self.settings = core, settings
+        self._first = core.task.reward, core.scenario
+        self._stage = 0
 
     def _on_rollout_start(self) -> None:
-        reward = self.reward_at(self.model.num_timesteps, self._first)
-        if reward != self.core.task.reward:
-            self.core.task = self.core.task.model_copy(update={"reward": reward})
+        steps = self.model.num_timesteps
+        stage = self.settings.stage_at(steps)
+        if stage == self._stage:
+            return
+        self._stage = stage
+        reward = self.settings.reward_at(steps, self._first[0])
+        scenario = self.settings.scenario_at(steps, self._first[1])
+        self.core.change(scenario=None if scenario == self.core.scenario else scenario, reward=reward.model_dump())
 
     def _on_step(self) -> bool:
         return True

@@ -8,89 +8,27 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from ssmash_gym.envs.loading import BASE_KEY, merged, read
+from ssmash_gym.envs.scenario import ScenarioConfig, changed_scenario
 from ssmash_gym.envs.task import Reward
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.sections import validated
-
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(gt=0.0, le=1.0)]
-Count = Annotated[int, Field(ge=1)]
-Choice = str | dict[str, Any]  # a name in configs, the path of a YAML file, or changes to one
-
-
-class Section(BaseModel):
-    """Part of the configuration: frozen, and no key but its own."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Environment(Section):
-    """Where the agent learns."""
-
-    task: Choice = Field("traverse", description="task: name, file, or changes to the default one")
-    scenario: Choice = Field("default", description="scenario: name, file, or changes to the default one")
-    count: Count = Field(64, description="helicopters that are simulated side by side")
-    threads: Count = Field(2, description="threads of the simulation; the result does not depend on them")
-
-
-class Stage(Section):
-    """Weights of the reward from a step on: first to arrive at all, then to do it well."""
-
-    from_step: Count = Field(description="control intervals of all helicopters together from which it holds")
-    reward: dict[str, float] = Field(description="keys of the task's reward to change, with all stages before")
-
-
-class Network(Section):
-    """Policy and value networks: two separate perceptrons of the same shape."""
-
-    layers: tuple[Count, ...] = Field((64, 64), description="units of the hidden layers")
-    activation: Literal["tanh", "relu", "elu"] = Field("tanh", description="of the hidden layers")
-    log_std: float = Field(-1.0, ge=-5.0, le=1.0, description="logarithm of the initial exploration, per action")
-    initial_action: tuple[float, float] = Field(
-        (0.0, 0.0), description="mean action before any learning (along, across): a claw that moves learns sooner"
-    )
-
-    @model_validator(mode="after")
-    def _within_box(self) -> Self:
-        if any(abs(value) > 1.0 for value in self.initial_action):
-            raise ValueError(f"initial_action = {list(self.initial_action)}: must be within -1 to 1")
-        return self
-
-
-class Ppo(Section):
-    """Proximal policy optimisation; the names are those of Stable-Baselines3, written out."""
-
-    steps_per_update: Count = Field(128, description="control intervals of each helicopter between two updates")
-    batch_size: Annotated[int, Field(ge=2)] = Field(2048, description="samples of a gradient step")
-    epochs: Count = Field(5, description="passes over the samples of an update")
-    learning_rate: Positive = Field(3e-4, description="at the start")
-    learning_rate_end: NotNegative = Field(3e-5, description="at the end; linear in between")
-    gamma: Share = Field(0.997, description="discount of a control interval: 0.997 looks 33 s ahead at 0.1 s")
-    gae_lambda: Share = Field(0.95, description="generalised advantage estimation")
-    clip_range: Positive = Field(0.2, description="bound of the probability ratio's change")
-    entropy: NotNegative = Field(0.0, description="weight of the entropy bonus")
-    value_weight: NotNegative = Field(0.5, description="weight of the value loss")
-    gradient_norm: Positive = Field(0.5, description="bound of the gradient's norm")
-    target_kl: Positive | None = Field(None, description="divergence at which an update stops early")
-
-
-class Normalise(Section):
-    """Running normalisation; observations are scaled by physical limits already, so they need none."""
-
-    reward: bool = Field(True, description="divide rewards by the running deviation of the return")
-    observation: bool = Field(False, description="shift and scale observations by their running moments")
-    clip: Positive = Field(10.0, description="bound of normalised values")
-
-
-class Checkpoints(Section):
-    """What is kept along the way."""
-
-    every_steps: Count = Field(1_000_000, description="control intervals (of all helicopters) between two of them")
-    keep: Count = Field(2, description="how many are kept: the newest")
+from ssmash_gym.training.sections import (
+    Checkpoints,
+    Cost,
+    Count,
+    Environment,
+    LimitName,
+    Network,
+    Normalise,
+    Ppo,
+    Sac,
+    Section,
+    Stage,
+    Tqc,
+)
 
 
 class TrainingConfig(Section):
@@ -100,18 +38,35 @@ class TrainingConfig(Section):
     description: str = ""
     seed: Annotated[int, Field(ge=0)] = 0
     total_steps: Count = Field(description="control intervals of all helicopters together")
+    algorithm: Literal["ppo", "sac", "tqc"] = Field("ppo", description="which section of that name holds")
+    device: Literal["auto", "cpu", "cuda"] = Field(
+        "cpu", description="of the networks: small ones are quickest on the processor; auto takes a GPU that is there"
+    )
     torch_threads: Count = Field(1, description="threads of the networks: small ones are quickest on one")
     environment: Environment = Environment()
-    stages: tuple[Stage, ...] = Field((), description="changes of the reward along the way, in order")
+    stages: tuple[Stage, ...] = Field((), description="changes of reward and scenario along the way, in order")
+    costs: dict[LimitName, Cost] = Field({}, description="what exceeding a limit costs, by the limit's name")
     network: Network = Network()
     ppo: Ppo = Ppo()
+    sac: Sac = Sac()
+    tqc: Tqc = Tqc()
     normalise: Normalise = Normalise()
     checkpoints: Checkpoints = Checkpoints()
 
     @property
+    def learner(self) -> Ppo | Sac:
+        """The section of the chosen algorithm."""
+        off_policy = self.tqc if self.algorithm == "tqc" else self.sac
+        return self.ppo if self.algorithm == "ppo" else off_policy
+
+    @property
     def steps_per_update(self) -> int:
-        """Control intervals of all helicopters between two updates."""
-        return self.environment.count * self.ppo.steps_per_update
+        """Control intervals of all helicopters between two updates (SAC, TQC: between two lines of the curve)."""
+        return self.environment.count * self.learner.steps_per_update
+
+    def stage_at(self, steps: int) -> int:
+        """How many stages have begun after so many control intervals of all helicopters together."""
+        return sum(stage.from_step <= steps for stage in self.stages)
 
     def reward_at(self, steps: int, reward: Reward) -> Reward:
         """The reward's weights after so many steps.
@@ -123,10 +78,23 @@ class TrainingConfig(Section):
         Raises:
             ConfigurationError: A stage names an unknown key, or a value that is not allowed.
         """
-        changes = {
-            key: value for stage in self.stages if stage.from_step <= steps for key, value in stage.reward.items()
-        }
+        changes = {key: value for stage in self.stages[: self.stage_at(steps)] for key, value in stage.reward.items()}
         return validated(Reward, reward.model_dump() | changes, "training: stages") if changes else reward
+
+    def scenario_at(self, steps: int, scenario: ScenarioConfig) -> ScenarioConfig:
+        """What episodes are drawn from after so many steps.
+
+        Args:
+            steps: Control intervals of all helicopters together.
+            scenario: The first one.
+
+        Raises:
+            ConfigurationError: A stage names an unknown key, or a value that is not allowed.
+        """
+        for stage in self.stages[: self.stage_at(steps)]:
+            if stage.scenario:
+                scenario = changed_scenario(scenario, undotted(stage.scenario))
+        return scenario
 
     @model_validator(mode="after")
     def _stages_in_order(self) -> Self:
@@ -137,10 +105,20 @@ class TrainingConfig(Section):
 
     @model_validator(mode="after")
     def _whole_batches(self) -> Self:
-        if self.steps_per_update % self.ppo.batch_size:
+        if self.algorithm == "ppo" and self.steps_per_update % self.ppo.batch_size:
             raise ValueError(
                 f"ppo.batch_size = {self.ppo.batch_size}: must divide environment.count * ppo.steps_per_update = "
                 f"{self.steps_per_update}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _whole_trainings(self) -> Self:
+        section = self.learner
+        if isinstance(section, Sac) and section.steps_per_update % section.train_every:
+            raise ValueError(
+                f"{self.algorithm}.train_every = {section.train_every}: must divide steps_per_update = "
+                f"{section.steps_per_update}"
             )
         return self
 
@@ -171,6 +149,16 @@ def with_bases(document: Mapping[str, Any]) -> dict[str, Any]:
         return dict(document)
     named = {key: {BASE_KEY: value} if isinstance(value, str) else value for key, value in environment.items()}
     return {**document, "environment": named}
+
+
+def undotted(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes by dotted keys as a nested mapping: ``{"a.b": 1, "a.c": 2}`` becomes ``{"a": {"b": 1, "c": 2}}``."""
+    document: dict[str, Any] = {}
+    for key, value in changes.items():
+        for part in reversed(str(key).split(".")):
+            value = {part: value}
+        document = merged(document, value)
+    return document
 
 
 def parsed_change(change: str) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import platform
 import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -14,15 +16,16 @@ from rich.console import Console
 
 import ssmash_gym
 from ssmash_gym.document import write_yaml
+from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
 from ssmash_gym.training.agent import fingerprint, save_agent
-from ssmash_gym.training.checkpoint import checkpoints, load_checkpoint, prune, save_checkpoint
+from ssmash_gym.training.algorithms import make_environment, make_model, require_training
+from ssmash_gym.training.checkpoint import checkpoints, layers, load_checkpoint, prune, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
-from ssmash_gym.training.ppo import make_environment, make_model, require_training
 
 DEFAULT: Final = "ppo_traverse"
-LIBRARIES: Final = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
+LIBRARIES: Final = ("numpy", "numba", "gymnasium", "stable-baselines3", "sb3-contrib", "torch")
 
 
 def train(
@@ -30,32 +33,57 @@ def train(
     resume: Path | None = None,
     changes: Annotated[tuple[str, ...], tyro.conf.arg(name="set")] = (),
     out: Path | None = None,
+    tune: Path | None = None,
 ) -> None:
-    """Train an agent, or go on with a run that was stopped.
+    """Train an agent, go on with a run that was stopped, or search for good settings.
 
     Args:
         config: YAML file of the training, or a name in configs/training.
-        resume: Run folder to go on with, from its newest checkpoint.
+        resume: Run folder to go on with, from its newest checkpoint; or the folder of a search.
         changes: Keys to change, e.g. ``--set ppo.epochs=4 seed=1``.
         out: Run folder to make; ``runs/NAME-NUMBER`` by default.
+        tune: YAML file of a search, or a name in configs/training: many short trainings, the best settings are kept.
 
     Raises:
         ConfigurationError: A mistake in the configuration; nothing has been written.
         ImportError: A library is missing; the sentence names the extra.
     """
+    from ssmash_gym.training.tuning import SEARCH, load_search, search
+
     require_training()
     console = Console()
     if resume is not None:
-        if config is not None or changes or out is not None:
-            raise ConfigurationError("--resume goes on with a run as it was: leave out --config, --set and --out.")
+        if config is not None or tune is not None or changes or out is not None:
+            raise ConfigurationError(
+                "--resume goes on with a run as it was: leave out --config, --tune, --set and --out."
+            )
         run = resume.resolve()
+        if (run / SEARCH).is_file():
+            search(load_search(run / SEARCH), run, console)
+            return
         learn(load_training(run_file(run, "training.yaml")), run, console, resumed=True)
         return
+    if tune is not None:
+        if config is not None:
+            raise ConfigurationError("--tune FILE names the training it starts from itself: leave out --config.")
+        plan = load_search(str(tune), changes)
+        search(plan, new_folder(out, plan.name), console)
+        return
     settings = load_training(named(config), changes)
-    run = out.resolve() if out is not None else free_folder(Path("runs"), settings.name)
+    require_training(settings.algorithm)
+    learn(settings, new_folder(out, settings.name), console)
+
+
+def new_folder(out: Path | None, name: str) -> Path:
+    """The run folder that is asked for, or the next free one.
+
+    Raises:
+        ConfigurationError: It is not empty.
+    """
+    run = out.resolve() if out is not None else free_folder(Path("runs"), name)
     if run.exists() and any(run.iterdir()):
         raise ConfigurationError(f"--out {out} is refused: the folder is not empty; name a new one, or use --resume.")
-    learn(settings, run, console)
+    return run
 
 
 def learn(
@@ -65,6 +93,7 @@ def learn(
     *,
     resumed: bool = False,
     stop: threading.Event | None = None,
+    watch: Callable[[dict[str, float]], None] = lambda line: None,
 ) -> bool:
     """Train in a run folder until the end or until Ctrl-C.
 
@@ -74,20 +103,17 @@ def learn(
         console: Where progress is shown.
         resumed: Go on from the newest checkpoint.
         stop: Asks for a stop after the running update when it is set, as Ctrl-C does.
+        watch: Called with each line of the curve.
 
     Returns:
         Whether the training reached its end.
     """
-    from stable_baselines3.common.callbacks import CallbackList
-    from stable_baselines3.common.logger import configure
-
-    from ssmash_gym.training.callbacks import Bar, Curve, Keeper, Stages, stop_on_interrupt
-
     environment = make_environment(settings)
-    settings.reward_at(settings.total_steps, environment.venv.core.task.reward)  # a mistake is told before the start
+    core = layers(environment)[0].core
+    check_stages(settings, core)  # a mistake is told before the start
     model = make_model(settings, environment)
-    logged = load_checkpoint(newest(run), model) if resumed else {}
-    core = environment.venv.core
+    kept = settings.checkpoints.replay_buffer
+    logged = load_checkpoint(newest(run), model, transitions=kept) if resumed else {}
     about = describe(settings, core)
     write_run(run, settings, core, about)
     point_to(run)
@@ -97,24 +123,11 @@ def learn(
         save_checkpoint(folder, model, settings, about | {"steps": model.num_timesteps})
         prune(run, settings.checkpoints.keep)
 
-    stop = stop or threading.Event()
-    bar = Bar(settings.total_steps, console)
-    callback = CallbackList(
-        [
-            Keeper(settings.checkpoints.every_steps, save, stop),
-            Stages(core, settings.reward_at),
-            Curve(run / "curve.csv", bar),
-        ]
-    )
-    model.set_logger(configure(str(run / "tensorboard"), ["tensorboard"]))
-    for key, value in logged.items():
-        model.logger.record(key, value)
-    console.print(f"run folder {shown(run)}")
+    console.print(f"run folder {shown(run)}; networks on {model.device.type} (device: {settings.device})")
     remaining = max(settings.total_steps - model.num_timesteps, 0)
-    with stop_on_interrupt(stop, console), bar.progress:
-        model.learn(remaining, callback=callback, reset_num_timesteps=not resumed)
-    finished = bool(model.num_timesteps >= settings.total_steps)
-    if finished:
+    course = Course(settings, run, console, stop or threading.Event(), watch, save, resumed)
+    reached = follow(course, model, remaining, logged)
+    if reached:
         save()
         card = about | {"steps": model.num_timesteps}
         save_agent(run / "agent", model, environment, settings, core.task, core.scenario, card)
@@ -122,7 +135,67 @@ def learn(
     else:
         console.print(f"stopped after checkpoint {newest(run).name}; go on with: train.py --resume {shown(run)}")
     environment.close()
-    return finished
+    return reached
+
+
+@dataclass(frozen=True)
+class Course:
+    """What goes with a training; `resumed` says whether it goes on from a checkpoint."""
+
+    settings: TrainingConfig
+    run: Path
+    console: Console
+    stop: threading.Event
+    watch: Callable[[dict[str, float]], None]
+    save: Callable[[], None]
+    resumed: bool
+
+
+def follow(course: Course, model: Any, remaining: int, logged: Mapping[str, float]) -> bool:
+    """Let the model learn for the remaining steps; returns whether it reached the end."""
+    from stable_baselines3.common.callbacks import CallbackList
+    from stable_baselines3.common.logger import configure
+
+    from ssmash_gym.training.callbacks import Bar, Curve, Keeper, Stages, stop_on_interrupt
+    from ssmash_gym.training.costs import Multipliers
+
+    settings = course.settings
+    every = settings.steps_per_update
+    staggered, priced = layers(model.env)
+    bar = Bar(settings.total_steps, course.console)
+
+    def show(line: dict[str, float]) -> None:
+        bar(line)
+        course.watch(line)
+
+    keeper = Keeper(settings.checkpoints.every_steps, course.save, course.stop, every)
+    curve = Curve(course.run / "curve.csv", show, every, priced)
+    priced_anew = [] if priced is None else [Multipliers(priced, every)]
+    callback = CallbackList([keeper, Stages(staggered.core, settings), curve, *priced_anew])
+    model.set_logger(configure(str(course.run / "tensorboard"), ["tensorboard"]))
+    for key, value in logged.items():
+        model.logger.record(key, value)
+    interval = 1 if settings.algorithm == "ppo" else None  # the curve writes the log of SAC and TQC
+    with stop_on_interrupt(course.stop, course.console), bar.progress:
+        model.learn(remaining, callback=callback, log_interval=interval, reset_num_timesteps=not course.resumed)
+    return not keeper.left
+
+
+def check_stages(settings: TrainingConfig, core: Any) -> None:
+    """Refuse stages that could not be entered.
+
+    Raises:
+        ConfigurationError: A stage names an unknown key, a value that is not allowed, or delays and noise that the
+            batch is not made for.
+    """
+    scenarios = []
+    for stage in settings.stages:
+        settings.reward_at(stage.from_step, core.task.reward)
+        scenarios.append(settings.scenario_at(stage.from_step, core.scenario))
+    if any(scenario != core.scenario for scenario in scenarios):
+        trial = TraverseBatch(1, task=core.task, scenario=core.scenario)
+        for scenario in scenarios:
+            trial.change(scenario=scenario)
 
 
 def describe(settings: TrainingConfig, core: Any) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Blocks of episode seeds that never meet: one for training, one for evaluation.
+"""Blocks of episode seeds that never meet: for training, for evaluation, and for choosing between variants.
 
 Seeds are drawn from `numpy.random.SeedSequence` with a spawn key for each purpose, never counted up from a base seed,
 so that neighbouring seeds of a run, or training and evaluation with the same number, share no episode.
@@ -12,6 +12,7 @@ import numpy as np
 
 TRAINING: Final = 1
 EVALUATION: Final = 2
+TUNING: Final = 3  # searches of gains and settings, choice between trained agents
 
 
 def block(seed: int, purpose: int, count: int) -> list[int]:
@@ -19,7 +20,7 @@ def block(seed: int, purpose: int, count: int) -> list[int]:
 
     Args:
         seed: The user's number.
-        purpose: `TRAINING` or `EVALUATION`.
+        purpose: `TRAINING`, `EVALUATION` or `TUNING`.
         count: How many.
     """
     numbers = np.random.SeedSequence(seed, spawn_key=(purpose,)).generate_state(2 * count, np.uint32)

@@ -17,7 +17,8 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import ssmash_gym
-from ssmash_gym.registration import register_environments
+from ssmash_gym.registration import ENTRY_POINTS, register_environments
+from tests.contract.kinds import KINDS
 
 
 def test_gymnasium_checker_has_nothing_to_say(env_id: str, short: dict[str, Any]) -> None:
@@ -131,9 +132,14 @@ def test_vector_wrappers(env_id: str, short: dict[str, Any]) -> None:
     assert infos["episode"]["r"] == pytest.approx(infos["episode_metrics"]["return"])
 
 
+def test_every_registered_id_is_under_contract() -> None:
+    assert {kind.id for kind in KINDS} == {f"ssmash_gym:{name}" for name in ENTRY_POINTS}
+
+
 def test_registration_twice_and_cheap_import() -> None:
     register_environments()
-    assert gym.spec("ssmash/Traverse-v0").vector_entry_point is not None
+    for name in ENTRY_POINTS:
+        assert gym.spec(name).vector_entry_point is not None
     code = (
         "import ssmash_gym, ssmash_gym.registration as r, sys; r.register_environments();"
         "print(sorted({'torch', 'numba', 'pygame', 'stable_baselines3', 'polars', 'matplotlib'} & set(sys.modules)))"

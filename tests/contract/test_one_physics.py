@@ -10,15 +10,14 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from ssmash_gym.envs.traverse import TraverseEnv
-from ssmash_gym.envs.vector import TraverseVectorEnv
+from tests.contract.kinds import Kind
 
 SEEDS = [5, 90, 7]
 STEPS = 17  # three episodes of five steps and a little more, one reset step each in NEXT_STEP mode
 
 
-def make_single(arguments: dict[str, Any]) -> gym.Env[Any, Any]:
-    return gym.make("ssmash_gym:ssmash/Traverse-v0", **arguments)
+def make_single(env_id: str, arguments: dict[str, Any]) -> gym.Env[Any, Any]:
+    return gym.make(env_id, **arguments)
 
 
 def actions(n: int = len(SEEDS)) -> Iterator[np.ndarray]:
@@ -62,19 +61,19 @@ def same(a: Any, b: Any, path: str = "") -> None:
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))
-def test_native_batch_is_gymnasiums_sync(short: dict[str, Any], mode: AutoresetMode) -> None:
-    native = TraverseVectorEnv(len(SEEDS), autoreset_mode=mode, **short)
-    sync = gym.vector.SyncVectorEnv([lambda: make_single(short)] * len(SEEDS), autoreset_mode=mode)
-    assert native.metadata["autoreset_mode"] == mode and TraverseVectorEnv.metadata is not native.metadata
+def test_native_batch_is_gymnasiums_sync(kind: Kind, short: dict[str, Any], mode: AutoresetMode) -> None:
+    native = kind.batch(len(SEEDS), autoreset_mode=mode, **short)
+    sync = gym.vector.SyncVectorEnv([lambda: make_single(kind.id, short)] * len(SEEDS), autoreset_mode=mode)
+    assert native.metadata["autoreset_mode"] == mode and kind.batch.metadata is not native.metadata
     off = mode == AutoresetMode.DISABLED
     same(rollout(native, SEEDS, off), rollout(sync, SEEDS, off))
 
 
-def test_async_in_spawned_processes(short: dict[str, Any]) -> None:
+def test_async_in_spawned_processes(env_id: str, short: dict[str, Any]) -> None:
     def maker() -> gym.Env[Any, Any]:
-        return make_single(short)
+        return make_single(env_id, short)
 
-    native = TraverseVectorEnv(2, **short)
+    native = gym.make_vec(env_id, num_envs=2, **short)
     parallel = gym.vector.AsyncVectorEnv([maker] * 2, context="spawn")
     same(rollout(native, SEEDS[:2]), rollout(parallel, SEEDS[:2]))
 
@@ -93,21 +92,21 @@ def sb3_rollout(envs: Any) -> list[Any]:
     return said
 
 
-@pytest.mark.parametrize("kind", ["DummyVecEnv", "SubprocVecEnv"])
-def test_sb3_adapter_is_sb3s_own(short: dict[str, Any], kind: str) -> None:
+@pytest.mark.parametrize("their", ["DummyVecEnv", "SubprocVecEnv"])
+def test_sb3_adapter_is_sb3s_own(env_id: str, short: dict[str, Any], told: dict[str, Any], their: str) -> None:
     vec_env = pytest.importorskip("stable_baselines3.common.vec_env")
     from ssmash_gym.envs.sb3 import TraverseVecEnv
 
-    n = 2 if kind == "SubprocVecEnv" else 3
-    makers: list[Callable[[], gym.Env[Any, Any]]] = [lambda: make_single(short)] * n
-    other = getattr(vec_env, kind)(makers)
-    same(sb3_rollout(TraverseVecEnv(n, **short)), sb3_rollout(other))
+    n = 2 if their == "SubprocVecEnv" else 3
+    makers: list[Callable[[], gym.Env[Any, Any]]] = [lambda: make_single(env_id, short)] * n
+    other = getattr(vec_env, their)(makers)
+    same(sb3_rollout(TraverseVecEnv(n, **told)), sb3_rollout(other))
 
 
-def test_batch_size_threads_and_neighbours_do_not_matter(short: dict[str, Any]) -> None:
+def test_batch_size_threads_and_neighbours_do_not_matter(kind: Kind, short: dict[str, Any]) -> None:
     """Episode k of a batch is the single environment's, whatever else is in the batch, also past autoresets."""
     seeds = [100 + k for k in range(10)]
-    large = TraverseVectorEnv(10, threads=2, autoreset_mode="SameStep", **short)
+    large = kind.batch(10, threads=2, autoreset_mode="SameStep", **short)
     observations = [large.reset(seed=seeds)[0]]
     rewards = []
     moves = [np.concatenate([a] * 4)[:10] for a in actions()]
@@ -115,7 +114,7 @@ def test_batch_size_threads_and_neighbours_do_not_matter(short: dict[str, Any]) 
         observation, reward, *_ = large.step(move)
         observations.append(observation), rewards.append(reward)
     for k in (0, 3, 9):
-        env = TraverseEnv(**short)
+        env = kind.single(**short)
         assert np.array_equal(env.reset(seed=seeds[k])[0], observations[0][k])
         for i, move in enumerate(moves):
             observation, reward, terminated, truncated, _ = env.step(move[k])
@@ -125,8 +124,8 @@ def test_batch_size_threads_and_neighbours_do_not_matter(short: dict[str, Any]) 
             assert np.array_equal(observation, observations[i + 1][k])
 
 
-def test_reset_after_abuse_is_a_fresh_environment(short: dict[str, Any]) -> None:
-    used, fresh = TraverseEnv(**short), TraverseEnv(**short)
+def test_reset_after_abuse_is_a_fresh_environment(kind: Kind, short: dict[str, Any]) -> None:
+    used, fresh = kind.single(**short), kind.single(**short)
     used.reset(seed=1)
     used.core.batch.state[:12] = 3.0  # thrown off the deck
     for _ in range(5):
@@ -137,8 +136,8 @@ def test_reset_after_abuse_is_a_fresh_environment(short: dict[str, Any]) -> None
         same(used.step(np.array([0.5, 0.2])), fresh.step(np.array([0.5, 0.2])))
 
 
-def test_reset_mask_resets_only_those(short: dict[str, Any]) -> None:
-    envs = TraverseVectorEnv(4, autoreset_mode="Disabled", **short)
+def test_reset_mask_resets_only_those(kind: Kind, short: dict[str, Any]) -> None:
+    envs = kind.batch(4, autoreset_mode="Disabled", **short)
     envs.reset(seed=0)
     before, *_ = envs.step(np.full((4, 2), 0.3))
     state = envs.core.batch.state.copy()
@@ -148,14 +147,14 @@ def test_reset_mask_resets_only_those(short: dict[str, Any]) -> None:
         envs.core.batch.state[:, ~mask], state[:, ~mask]
     )
     assert infos["_draw"].tolist() == mask.tolist()
-    assert np.array_equal(after[1], TraverseEnv(**short).reset(seed=50)[0])
+    assert np.array_equal(after[1], kind.single(**short).reset(seed=50)[0])
     for wrong, error in (([True] * 4, TypeError), (np.zeros(4, bool), ValueError), (np.ones(3, bool), ValueError)):
         with pytest.raises(error, match="reset_mask"):
             envs.reset(options={"reset_mask": wrong})
 
 
-def test_nothing_returned_is_reused(short: dict[str, Any]) -> None:
-    envs = TraverseVectorEnv(3, **short)
+def test_nothing_returned_is_reused(kind: Kind, short: dict[str, Any]) -> None:
+    envs = kind.batch(3, **short)
     kept = [envs.reset(seed=0)]
     copies = [np.copy(kept[0][0])]
     for action in actions():
@@ -175,6 +174,6 @@ def _arrays(said: Any) -> list[np.ndarray]:
     return [array for part in parts for array in _arrays(part)]
 
 
-def test_seed_lists_of_the_wrong_length_are_refused(short: dict[str, Any]) -> None:
+def test_seed_lists_of_the_wrong_length_are_refused(kind: Kind, short: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="one entry for each of 3"):
-        TraverseVectorEnv(3, **short).reset(seed=[1, 2])
+        kind.batch(3, **short).reset(seed=[1, 2])

@@ -46,7 +46,7 @@ LONG = {"lead_in": {"duration_s": 8.0, "ramp_s": 8.0}}  # a short one jerks a sh
 MOVING = pytest.mark.parametrize(
     ("scenario", "task"), [pytest.param(SEA, {}, id="irregular"), pytest.param(SEAWAY, LONG, id="seaway")]
 )
-NAMES = [f"forecast_{name}_{lead}s" for name in ("roll", "fy", "fz") for lead in (1, 2, 3, 5)]
+NAMES = [f"forecast_{name}_{lead}s" for name in ("roll", "fx", "fy", "fz") for lead in (1, 2, 3, 5)]
 TERMS_OF_ROLL = ["yaw", "forecast_roll_2s", "deck_roll", "forecast_roll_1s"]
 HOLD = np.zeros(2)
 
@@ -98,7 +98,8 @@ def test_forecasts_come_true(scenario: dict[str, Any], task: dict[str, Any]) -> 
     """
     env = make(24, scenario, task)
     seen = told(env, 30)
-    limits, scales = {"roll": 0.25, "fy": 0.4, "fz": 0.35}, {"roll": 0.1, "fy": 1.0, "fz": 1.0}
+    limits = {"roll": 0.25, "fx": 0.7, "fy": 0.4, "fz": 0.35}
+    scales = {"roll": 0.1, "fx": 1.0, "fy": 1.0, "fz": 1.0}
     for row, (name, lead) in enumerate((name, lead) for name in limits for lead in (1, 2, 3, 5)):
         errors, truths = [], []
         for k, draw in enumerate(env.draws):
@@ -106,7 +107,8 @@ def test_forecasts_come_true(scenario: dict[str, Any], task: dict[str, Any]) -> 
             times = env.task.lead_in.duration_s + 0.1 * np.arange(31) + lead - draw.sensors_delay_s
             table = env.starter.table(draw)
             force = table.pose(times).specific_force_S(9.81)
-            truth = {"roll": table.at(times).position[:, 3], "fy": force[:, 1], "fz": force[:, 2] + 9.81}[name]
+            truth = {"fx": force[:, 0], "fy": force[:, 1], "fz": force[:, 2] + 9.81}.get(name)
+            truth = table.at(times).position[:, 3] if truth is None else truth
             truths.append(truth / scales[name])
             errors.append(seen[:, k, row] - truths[-1])
         for part in (slice(None), slice(3)):  # the whole time, and the first readings only
@@ -131,8 +133,8 @@ def test_a_still_deck_stays() -> None:
     scenario = {"base": "flat", "motion": {"type": "fixed", "heel_deg": 3.0}, "sensors": {"noise": 0.0}}
     seen = told(make(scenario=scenario), 5)[:, 0]
     heel = math.radians(3.0)
-    expected = np.repeat([heel / 0.1, -9.81 * math.sin(heel), 9.81 * (1.0 - math.cos(heel))], 4)
-    np.testing.assert_allclose(seen, np.tile(expected, (6, 1)), rtol=1e-6)
+    expected = np.repeat([heel / 0.1, 0.0, -9.81 * math.sin(heel), 9.81 * (1.0 - math.cos(heel))], 4)
+    np.testing.assert_allclose(seen, np.tile(expected, (6, 1)), rtol=1e-6, atol=1e-12)
 
 
 class Blind(Motion):
@@ -222,7 +224,7 @@ def test_the_vector_environments_carry_them() -> None:
         3, task={**SHORT, "horizon_s": 0.5}, scenario=SEA, helicopter=HELICOPTER, observation="forecast"
     )  # fmt: skip
     assert np.array_equal(core.reset(seeds=[7, 8, 9]), env.reset(seed=7)[0])
-    assert env.single_observation_space.shape == (55,)
+    assert env.single_observation_space.shape == (59,)
     kept = env.snapshot()
     first = [env.step(np.zeros((3, 2)))[0] for _ in range(7)]
     assert np.array_equal(first[0], core.step(np.zeros((3, 2))).observation)
@@ -278,7 +280,7 @@ def test_control_intervals_must_suit() -> None:
         make(task=task)
     assert make(task={"control_interval_s": 0.2, "lead_in": {"duration_s": 2.0, "ramp_s": 2.0}}).reset().shape == (
         1,
-        55,
+        59,
     )
 
 
@@ -300,7 +302,7 @@ def test_a_record_is_used_as_far_as_it_reaches_back(record: str) -> None:
         motion = {"type": "file", "paths": [record], "start_s": start_s}
         env = make(scenario={"base": "flat", "motion": motion, "sensors": {"noise": 0.0}})
         observation = env.reset(seeds=[0])[0]
-        return observation[places(env, NAMES)], observation[places(env, ["deck_roll", "deck_fy", "deck_fz"])]
+        return observation[places(env, NAMES)], observation[places(env, ["deck_roll", "deck_fx", "deck_fy", "deck_fz"])]
 
     forecasts, read = seen(57.0)
     np.testing.assert_array_equal(forecasts, np.repeat(read, 4))
@@ -324,7 +326,7 @@ def test_the_past_has_noise_of_its_own() -> None:
     quiet, one, other = pasts(sensors_noise=0.0), pasts(), pasts(sensor_seed=draw.sensor_seed + 1)
     assert np.array_equal(one, pasts()) and not np.array_equal(one, other)
     deviation = np.std(one - quiet, axis=0)
-    assert deviation == pytest.approx([0.01, 0.02, 0.02], rel=0.35)
+    assert deviation == pytest.approx([0.01, 0.02, 0.02, 0.02], rel=0.35)
     assert HISTORY_S == 180.0
 
 

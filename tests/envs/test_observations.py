@@ -59,9 +59,10 @@ def test_the_sets() -> None:
         for kind in ("tire_vertical_deflection", "tire_lateral_deflection", "vertical_load", "compression"):
             wanted += f" {station}_{kind}"
     assert set(wanted.split()) <= set(names)
-    full, forecast = ({term.name for term in chosen_terms(name)} for name in ("full", "forecast"))
-    assert set(names) == full & forecast and full | forecast == set(TERMS)
+    full, forecast, oracle = ({term.name for term in chosen_terms(name)} for name in ("full", "forecast", "oracle"))
+    assert set(names) == full & forecast == full & oracle and full | forecast | oracle == set(TERMS)
     assert full - forecast and forecast - full == {name for name, term in TERMS.items() if term.forecast_of}
+    assert oracle - full == {name for name, term in TERMS.items() if term.oracle_of}
     assert [term.name for term in chosen_terms(["yaw", "claw_y"])] == ["yaw", "claw_y"]
     assert make(observation=["yaw", "claw_y"]).reset(seeds=[0]).shape == (1, 2)
 

@@ -265,6 +265,6 @@ def test_a_run_that_is_not_finished_is_told(tmp_path: Path) -> None:
 
 
 def test_baselines_are_found_by_name() -> None:
-    assert set(baselines()) == {"hold", "trapezoid", "yield"}
+    assert {"hold", "trapezoid", "yield"} <= set(baselines())
     assert all(make_baseline(name, load_task()).name == name for name in baselines())
     np.testing.assert_array_equal(make_baseline("hold", load_task()).act(np.zeros((2, 3), np.float32)), 0.0)

@@ -22,9 +22,9 @@ from ssmash_gym.envs.task import load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.training import run as running
 from ssmash_gym.training.agent import load_agent
+from ssmash_gym.training.algorithms import Linear, make_environment, make_model
 from ssmash_gym.training.checkpoint import checkpoints, load_checkpoint, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
-from ssmash_gym.training.ppo import Linear, make_environment, make_model
 from ssmash_gym.training.run import learn
 
 QUIET = Console(quiet=True)
@@ -86,14 +86,7 @@ def test_same_seed_same_bits_and_another_seed_another_policy(
 def test_a_resumed_run_is_the_run_that_was_never_stopped(
     finished: Path, settings: TrainingConfig, tmp_path: Path
 ) -> None:
-    run = tmp_path / "stopped"
-    shutil.copytree(finished, run)
-    shutil.rmtree(run / "agent")
-    for path in checkpoints(run)[1:]:
-        shutil.rmtree(path)
-    assert learn(settings, run, QUIET, resumed=True)
-    assert_same_agent(finished / "agent", run / "agent")
-    assert curve(run) == curve(finished)
+    assert_resumed_is_the_same(settings, finished, tmp_path / "stopped", left=1)
 
 
 def test_a_checkpoint_brings_back_counters_schedule_optimiser_and_generators(
@@ -134,12 +127,37 @@ def test_a_stage_changes_the_reward_from_its_step_on_and_after_a_resume(
     assert weights(run / "agent")["weight_0"].tobytes() != weights(finished / "agent")["weight_0"].tobytes()
     assert load_agent(checkpoints(run)[1]).task.reward.load_per_s == settings_reward(settings)
     assert load_agent(run / "agent").task.reward.load_per_s == 3.0
-    again = tmp_path / "again"
-    shutil.copytree(run, again)
-    shutil.rmtree(again / "agent")
-    shutil.rmtree(checkpoints(again)[-1])
-    assert learn(staged, again, QUIET, resumed=True)
-    assert_same_agent(run / "agent", again / "agent")
+    assert_resumed_is_the_same(staged, run, tmp_path / "again", left=2)
+
+
+def test_a_stage_changes_the_scenario_and_a_resumed_run_has_it(settings: TrainingConfig, tmp_path: Path) -> None:
+    document = settings.model_dump()
+    document["environment"]["task"] |= {"horizon_s": 2.0}  # several episodes
+    document["stages"] = [{"from_step": 256, "scenario": {"start.yaw_deg": 3.0}, "reward": {"load_per_s": 1.0}}]
+    staged = load_training(document)
+    run = tmp_path / "staged"
+    assert learn(staged, run, QUIET)
+    assert load_agent(checkpoints(run)[0]).scenario.bounds("start.yaw_deg") != (3.0, 3.0)
+    assert load_agent(run / "agent").scenario.bounds("start.yaw_deg") == (3.0, 3.0)
+    assert_resumed_is_the_same(staged, run, tmp_path / "again", left=2)
+
+
+def test_a_stage_that_cannot_be_entered_is_told_before_the_start(settings: TrainingConfig, tmp_path: Path) -> None:
+    stages = [{"from_step": 256, "scenario": {"claw.delay_s": 0.7}}]
+    with pytest.raises(ConfigurationError, match=r"claw\.delay_s"):
+        learn(load_training(settings.model_dump() | {"stages": stages}), tmp_path / "run", QUIET)
+    assert not list(tmp_path.iterdir())
+
+
+def assert_resumed_is_the_same(settings: TrainingConfig, run: Path, copied: Path, left: int) -> None:
+    """A copy of a finished run with its first `left` checkpoints ends with the same agent and the same curve."""
+    shutil.copytree(run, copied)
+    shutil.rmtree(copied / "agent")
+    for path in checkpoints(copied)[left:]:
+        shutil.rmtree(path)
+    assert learn(settings, copied, QUIET, resumed=True)
+    assert_same_agent(run / "agent", copied / "agent")
+    assert curve(copied) == curve(run)
 
 
 def settings_reward(settings: TrainingConfig) -> float:
