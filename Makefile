@@ -28,11 +28,12 @@ $(STAMP): requirements.lock pyproject.toml
 
 train: $(STAMP) ## Train the traverse agent, then evaluate it on unseen seeds against the baselines
 	$(BIN)/python train.py --config configs/training/ppo_traverse.yaml
-	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield --episodes $(EPISODES) --seed $(SEED) --out runs/evaluation
+	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield,linear --episodes $(EPISODES) --seed $(SEED) \
+	  --scenario training --out runs/evaluation
 
 seas: $(STAMP) ## Evaluate the trained agent and the baselines in each of the sea states 3 to 6
 	@set -e; for sea in ss3 ss4 ss5 ss6; do \
-	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield --episodes $(EPISODES) --seed $(SEED) \
+	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield,linear --episodes $(EPISODES) --seed $(SEED) \
 	  --scenario $$sea --no-film --out runs/evaluation_$$sea; done
 
 test: $(STAMP) ## Run the tests (not the long ones)

@@ -142,7 +142,7 @@ def test_gains_become_points_and_points_gains(name: str) -> None:
 def test_a_candidate_pays_for_load_failures_and_time() -> None:
     assert objective(GOOD) == 13.0
     assert objective(GOOD | {"peak_p95_kN": 13.0}) == 13.5
-    assert objective(GOOD | {"success": 0.8}) == pytest.approx(19.0)
+    assert objective(GOOD | {"success": 0.85}) == pytest.approx(19.0)
     assert objective(GOOD | {"median_time_s": 48.0}) == pytest.approx(16.0)
 
 
