@@ -128,7 +128,7 @@ def test_unknown_verb_is_told_in_one_sentence(capsys: pytest.CaptureFixture[str]
 
 EXTRAS = {
     "train": ("stable_baselines3", "sb3_contrib", "torch", "tensorboard", "tqdm"),
-    "tune": ("optuna",),
+    "tune": ("optuna", "cmaes"),
     "onnx": ("onnx", "onnxruntime"),
     "report": ("jinja2",),
     "render": ("pygame", "imageio_ffmpeg", "moviepy"),
