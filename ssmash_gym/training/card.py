@@ -55,7 +55,7 @@ FILES: Final = {
     "policy.zip": "the model for Stable-Baselines3, with value networks and optimisers: to train on",
     "normaliser.json": "moments of observations and rewards, plain numbers",
     "training.yaml, task.yaml, scenario.yaml": "resolved configurations",
-    "curve.csv, curve.png": "the training",
+    "curve.csv, curve.png": "the training (and evolution.csv, where its last layer was evolved)",
     "evaluation.json": "its figures on unseen seas, with intervals",
 }
 
@@ -120,8 +120,11 @@ def facts(record: Mapping[str, Any], training: TrainingConfig) -> list[str]:
     """What it is, as a list."""
     method = ALGORITHMS[training.algorithm]
     hidden = " - ".join(map(str, training.network.layers)) or "none"
+    evolution = training.evolution
+    after = "" if evolution is None else f" and {evolution.generations} generations of evolution of its last layer"
     return [
-        f"- Trained by {method} for {record.get('steps', 0):,} control intervals, seed {training.seed}, with "
+        f"- Trained by {method} for {record.get('steps', 0):,} control intervals{after}, seed "
+        f"{training.seed}, with "
         f"ssmash_gym {record.get('versions', {}).get('ssmash_gym', '?')}.",
         f"- Reads {len(record['observation'])} named numbers (`agent.json`), acts every "
         f"{record['control_interval_s']:g} s on the claw's velocity, along and across the track.",

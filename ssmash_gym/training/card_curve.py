@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ WINDOW: Final = 0.04  # share of the lines that a drawn mean is taken over
 SHARES: Final = {"aligned_rate": ("straight at the end", "#e69f00"), "success_rate": ("success", "#0072b2")}
 PEAKS: Final = {"peak_probe_kN_p95": ("95th percentile", "#d55e00"), "peak_probe_kN_mean": ("mean", "#cc79a7")}
 
+EVOLVED: Final = {"peak_p95_kN": PEAKS["peak_probe_kN_p95"], "peak_mean_kN": PEAKS["peak_probe_kN_mean"]}
+
 
 def require_matplotlib() -> None:
     """Check that pictures can be drawn.
@@ -27,21 +29,27 @@ def require_matplotlib() -> None:
     require("matplotlib", 'the picture of the training needs Matplotlib: pip install "ssmash_gym[plot]".')
 
 
-def draw_curve(lines: Sequence[Mapping[str, str]], path: Path, name: str) -> None:
-    """Draw the curve as PNG: each line of it faint, and a mean of its neighbours.
+def draw_curve(
+    lines: Sequence[Mapping[str, str]], path: Path, name: str, evolution: Sequence[Mapping[str, str]] = ()
+) -> None:
+    """Draw the curve as PNG: each line of it faint, and a mean of its neighbours; beside it the evolution, if any.
 
     Args:
         lines: Of ``curve.csv``.
         path: File to write.
         name: Of the agent, above the picture.
+        evolution: Lines of ``evolution.csv``.
     """
     require_matplotlib()
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
-    figure.suptitle(f"{name}: episodes of the training itself, with exploration")
+    count = 3 if evolution else 2
+    figure = Figure(figsize=(4.5 * count, 3.4), layout="constrained")
+    after = "; on the right the evolution, without" if evolution else ""
+    figure.suptitle(f"{name}: episodes of the training itself, with exploration{after}")
     millions = column(lines, "steps") / 1e6
-    for axes, curves in zip(figure.subplots(1, 2), (SHARES, PEAKS), strict=True):
+    places = figure.subplots(1, count)
+    for axes, curves in zip(places, (SHARES, PEAKS), strict=False):
         for key, (label, colour) in curves.items():
             values = column(lines, key)
             axes.plot(millions, values, color=colour, linewidth=0.6, alpha=0.35)
@@ -51,10 +59,23 @@ def draw_curve(lines: Sequence[Mapping[str, str]], path: Path, name: str) -> Non
         axes.grid(alpha=0.3)
         axes.legend()
         axes.set_ylim(bottom=0.0)
-    first, second = figure.axes
+    if evolution:
+        _draw_evolution(places[2], evolution)
+    first, second = places[:2]
     first.set(ylabel="share of the episodes", ylim=(-0.02, 1.02))
     second.set(ylabel="peak in-plane probe load [kN]")
     save_png(figure, path, {"Title": name}, dpi=110, colours=256)
+
+
+def _draw_evolution(axes: Any, lines: Sequence[Mapping[str, str]]) -> None:
+    """The best candidate of each generation; its seas change every few generations, hence the steps."""
+    generations = column(lines, "generation")
+    for key, (label, colour) in EVOLVED.items():
+        axes.plot(generations, column(lines, key), color=colour, linewidth=1.6, label=label)
+    axes.set(xlabel="generation", ylabel="peak of the best candidate [kN]")
+    axes.grid(alpha=0.3)
+    axes.legend()
+    axes.set_ylim(bottom=0.0)
 
 
 def column(lines: Sequence[Mapping[str, str]], key: str) -> Array:

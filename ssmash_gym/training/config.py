@@ -20,6 +20,7 @@ from ssmash_gym.training.sections import (
     Cost,
     Count,
     Environment,
+    Evolution,
     LimitName,
     Network,
     Normalise,
@@ -50,6 +51,7 @@ class TrainingConfig(Section):
     ppo: Ppo = Ppo()
     sac: Sac = Sac()
     tqc: Tqc = Tqc()
+    evolution: Evolution | None = Field(None, description="what follows the gradient; nothing by default")
     normalise: Normalise = Normalise()
     checkpoints: Checkpoints = Checkpoints()
 

@@ -134,3 +134,14 @@ def policy_network(policy: Any) -> Network:
     weights = tuple(np.ascontiguousarray(layer.weight.detach().cpu().numpy().T) for layer in layers)
     biases = tuple(layer.bias.detach().cpu().numpy().copy() for layer in layers)
     return Network(weights, biases, MODULES[used.pop()] if used else "tanh", squash)
+
+
+def take_last_layer(policy: Any, network: Network) -> None:
+    """Give a Stable-Baselines3 policy the last layer of a network that `policy_network` has made from it."""
+    import torch
+
+    actor: Any = getattr(policy, "actor", None) or policy
+    head = actor.action_net if hasattr(actor, "mlp_extractor") else actor.mu
+    with torch.no_grad():
+        head.weight.copy_(torch.from_numpy(np.ascontiguousarray(network.weights[-1].T)))
+        head.bias.copy_(torch.from_numpy(network.biases[-1]))

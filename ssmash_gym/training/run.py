@@ -19,10 +19,12 @@ from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
-from ssmash_gym.training.agent import fingerprint, save_agent
+from ssmash_gym.training.agent import fingerprint, load_agent, save_agent
 from ssmash_gym.training.algorithms import make_environment, make_model, require_training
 from ssmash_gym.training.checkpoint import checkpoints, layers, load_checkpoint, prune, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
+from ssmash_gym.training.evolution import Verdict, evolve, require_evolution
+from ssmash_gym.training.network import take_last_layer
 
 DEFAULT: Final = "ppo_traverse"
 LIBRARIES: Final = ("numpy", "numba", "gymnasium", "stable-baselines3", "sb3-contrib", "torch")
@@ -108,6 +110,8 @@ def learn(
     Returns:
         Whether the training reached its end.
     """
+    if settings.evolution is not None:
+        require_evolution()
     environment = make_environment(settings)
     core = layers(environment)[0].core
     check_stages(settings, core)  # a mistake is told before the start
@@ -126,16 +130,47 @@ def learn(
     console.print(f"run folder {shown(run)}; networks on {model.device.type} (device: {settings.device})")
     remaining = max(settings.total_steps - model.num_timesteps, 0)
     course = Course(settings, run, console, stop or threading.Event(), watch, save, resumed)
-    reached = follow(course, model, remaining, logged)
+    reached = remaining == 0 or follow(course, model, remaining, logged)
     if reached:
-        save()
-        card = about | {"steps": model.num_timesteps}
-        save_agent(run / "agent", model, environment, settings, core.task, core.scenario, card)
-        console.print(f"trained for {model.num_timesteps:,} steps: {shown(run / 'agent')}")
+        if remaining:
+            save()
+        reached = finish(course, model, about | {"steps": model.num_timesteps})
     else:
         console.print(f"stopped after checkpoint {newest(run).name}; go on with: train.py --resume {shown(run)}")
     environment.close()
     return reached
+
+
+def finish(course: Course, model: Any, about: dict[str, Any]) -> bool:
+    """Write the agent, and evolve it where that is asked for; returns whether the end was reached.
+
+    Until it has ended, the agent in the folder is the one that the gradient left.
+    """
+    from ssmash_gym.training.callbacks import stop_on_interrupt
+
+    settings, run, console = course.settings, course.run, course.console
+    core = layers(model.env)[0].core
+    folder = run / "agent"
+    save_agent(folder, model, model.env, settings, core.task, core.scenario, about)
+    console.print(f"trained for {model.num_timesteps:,} steps: {shown(folder)}")
+    if settings.evolution is None:
+        return True
+    section = settings.evolution
+
+    def tell(generation: int, best: Verdict) -> None:
+        if generation % 5 == 0 or generation == section.generations:
+            told = f"best of them: score {best.score_kN:.2f} kN, peak probe load {best.peak_mean_kN:.1f} kN"
+            console.print(f"generation {generation:>4} of {section.generations}, {told}", soft_wrap=True)
+
+    with stop_on_interrupt(course.stop, console):
+        network = evolve(load_agent(folder), section, run, settings.environment.threads, course.stop, tell)
+    if network is None:
+        console.print(f"stopped after a generation; go on with: train.py --resume {shown(run)}")
+        return False
+    take_last_layer(model.policy, network)
+    save_agent(folder, model, model.env, settings, core.task, core.scenario, about)
+    console.print(f"evolved: {shown(folder)}")
+    return True
 
 
 @dataclass(frozen=True)

@@ -145,3 +145,31 @@ class Checkpoints(Section):
     every_steps: Count = Field(1_000_000, description="control intervals (of all helicopters) between two of them")
     keep: Count = Field(2, description="how many are kept: the newest")
     replay_buffer: bool = Field(True, description="keep SAC's and TQC's past transitions too: some 300 B each")
+
+
+class Judgement(Section):
+    """What an evolution minimises, in kN: a mean of the peaks in which large ones count more, their tail, misses."""
+
+    power: Annotated[float, Field(ge=1.0, le=20.0)] = Field(4.0, description="of the mean over the seas' peaks")
+    tail: NotNegative = Field(0.25, description="weight of the 95th percentile [1]")
+    success: Share = Field(0.99, description="share of successes below which the score rises")
+    success_kN: NotNegative = Field(12.0, description="for a share that is lower by 1 [kN]")
+    yaw_deg: NotNegative = Field(0.6, description="final yaw that costs nothing [deg]: misses shall be clear ones")
+    yaw_kN_per_deg: NotNegative = Field(2.0, description="for the mean of what is beyond, up to 4 deg [kN/deg]")
+    time_s: Positive = Field(46.0, description="median time above which the score rises [s]")
+    time_kN_per_s: NotNegative = Field(0.3, description="for each second [kN/s]")
+
+
+class Evolution(Section):
+    """After the gradient: CMA-ES on the last layer, without exploration, on what episodes are judged by."""
+
+    generations: Count = Field(40, description="how often candidates are drawn")
+    population: Annotated[int, Field(ge=4)] = Field(20, description="candidates of a generation")
+    spread: Positive = Field(0.015, description="first standard deviation of a weight")
+    episodes: Annotated[int, Field(ge=1, le=256)] = Field(64, description="seas that each candidate drives in")
+    sets: Count = Field(4, description="sets of so many seas that take turns")
+    turn: Count = Field(3, description="generations that meet the same set")
+    unseen: Annotated[int, Field(ge=1, le=256)] = Field(192, description="seas that decide whether the result is kept")
+    scenario: Choice | None = Field(None, description="what seas are drawn from; the environment's by default")
+    substep_s: Positive | None = Field(None, description="of the integrator; the task's by default")
+    judgement: Judgement = Judgement()

@@ -13,6 +13,7 @@ import numpy as np
 TRAINING: Final = 1
 EVALUATION: Final = 2
 TUNING: Final = 3  # searches of gains and settings, choice between trained agents
+EVOLUTION: Final = 4  # seas in which evolving policies are compared
 
 
 def block(seed: int, purpose: int, count: int) -> list[int]:
@@ -20,7 +21,7 @@ def block(seed: int, purpose: int, count: int) -> list[int]:
 
     Args:
         seed: The user's number.
-        purpose: `TRAINING`, `EVALUATION` or `TUNING`.
+        purpose: `TRAINING`, `EVALUATION`, `TUNING` or `EVOLUTION`.
         count: How many.
     """
     numbers = np.random.SeedSequence(seed, spawn_key=(purpose,)).generate_state(2 * count, np.uint32)
@@ -31,3 +32,8 @@ def block(seed: int, purpose: int, count: int) -> list[int]:
 def network_seed(seed: int) -> int:
     """Seed of the networks' first weights and of the exploration."""
     return int(np.random.SeedSequence(seed, spawn_key=(0,)).generate_state(1, np.uint32)[0])
+
+
+def generation_seed(seed: int, generation: int) -> int:
+    """Seed of the candidates that a generation of an evolution draws."""
+    return int(np.random.SeedSequence(seed, spawn_key=(EVOLUTION, generation)).generate_state(1, np.uint32)[0])

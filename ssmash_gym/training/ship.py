@@ -4,7 +4,7 @@ Beside what the run's agent holds (see `ssmash_gym.training.agent`) a shipped ag
 
 ```
 policy.onnx       normaliser, network and bound of the action in one graph, for use without this package
-curve.csv curve.png   how the training went
+curve.csv curve.png   how the training went (and evolution.csv, where there was one)
 evaluation.json   its figures on unseen seas, beside those of others (with --evaluation)
 README.md         the model card, made from all of this
 ```
@@ -36,6 +36,7 @@ from ssmash_gym.training.agent import ABOUT, FORMAT, NORMALISER, WEIGHTS, Agent,
 from ssmash_gym.training.card import model_card
 from ssmash_gym.training.card_curve import draw_curve, require_matplotlib
 from ssmash_gym.training.card_figures import Figures, study_figures
+from ssmash_gym.training.evolution import CURVE as EVOLVED
 from ssmash_gym.training.onnx import check_onnx, export_onnx, require_onnx
 from ssmash_gym.training.seeds import TUNING, block
 
@@ -78,10 +79,11 @@ def ship(
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", called):
         raise ConfigurationError(f"--name {called!r} is refused: letters, digits and _ . - only.")
     lines = curve_lines(source, int(agent.about.get("steps", 0)))
+    evolved = evolution_lines(source, agent)
     figures = None if evaluation is None else study_figures(evaluation, source)
     target = out / called
     with whole_folder(target.resolve()) as folder:
-        write_agent(folder, source, replace(agent, name=called), lines, figures)
+        write_agent(folder, source, replace(agent, name=called), lines, figures, evolved)
         worst = check(folder, agent)
         size_MB = checked_size(folder, called)
     Console().print(f"{target}: {size_MB:.2f} MB; ONNX and NumPy agree to {worst:.0e}")
@@ -116,8 +118,35 @@ def curve_lines(source: Path, steps: int) -> list[dict[str, str]]:
     return lines
 
 
+def evolution_lines(source: Path, agent: Agent) -> list[dict[str, str]]:
+    """The generations of the run's evolution; none where there was none.
+
+    Raises:
+        ConfigurationError: There should be one, and it is missing or has not ended.
+    """
+    section = agent.training.evolution
+    if section is None:
+        return []
+    path = next((f / EVOLVED for f in (source, source.resolve().parent) if (f / EVOLVED).is_file()), None)
+    lines: list[dict[str, str]] = []
+    if path is not None:
+        with path.open(newline="", encoding="utf-8") as file:
+            lines = list(csv.DictReader(file))
+    if len(lines) < section.generations:
+        raise ConfigurationError(
+            f"{source}: the evolution has reached {len(lines)} of {section.generations} generations; go on with "
+            "train.py --resume."
+        )
+    return lines
+
+
 def write_agent(
-    folder: Path, source: Path, agent: Agent, lines: Sequence[dict[str, str]], figures: Figures | None
+    folder: Path,
+    source: Path,
+    agent: Agent,
+    lines: Sequence[dict[str, str]],
+    figures: Figures | None,
+    evolved: Sequence[dict[str, str]] = (),
 ) -> None:
     """Write the files of a shipped agent.
 
@@ -127,6 +156,7 @@ def write_agent(
         agent: The same, with its new name.
         lines: Of the curve.
         figures: Of the evaluation; None without one.
+        evolved: Of the evolution.
     """
     for name in COPIED:
         if not (source / name).is_file():
@@ -134,16 +164,23 @@ def write_agent(
         shutil.copyfile(source / name, folder / name)
     about = {**agent.about, "name": agent.name, "format": FORMAT, "squash": agent.network.squash}
     write_text(folder / ABOUT, json.dumps(about, indent=1) + "\n")
-    with (folder / CURVE).open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(lines)
-    draw_curve(lines, folder / PICTURE, agent.name)
+    for table, name in ((lines, CURVE), (evolved, EVOLVED)):
+        if table:
+            write_lines(folder / name, table)
+    draw_curve(lines, folder / PICTURE, agent.name, evolved)
     export_onnx(agent, folder / ONNX)
     if figures is not None:
         write_text(folder / EVALUATED, json.dumps(figures.document(), indent=1) + "\n")
     card = model_card(about, agent.training, agent.task, agent.scenario, HELICOPTER, figures)
     write_text(folder / "README.md", card)
+
+
+def write_lines(path: Path, lines: Sequence[dict[str, str]]) -> None:
+    """A table as CSV."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(lines)
 
 
 def check(folder: Path, agent: Agent) -> float:

@@ -1,0 +1,119 @@
+"""Evolution: policies are judged by the environment's own episodes, and a stopped evolution loses nothing."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from ssmash_gym.envs.scenario import load_scenario
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.evaluation.episodes import run_episodes
+from ssmash_gym.training.agent import Agent, load_agent
+from ssmash_gym.training.config import TrainingConfig, load_training
+from ssmash_gym.training.evolution import CURVE, STATE, Arena, evolve, judged, numbers, with_numbers
+from ssmash_gym.training.run import learn
+from ssmash_gym.training.sections import Evolution, Judgement
+from ssmash_gym.training.seeds import EVALUATION, EVOLUTION, TRAINING, TUNING, block, generation_seed
+
+SMALL = Evolution(generations=3, population=4, episodes=3, sets=2, turn=1, unseen=3, substep_s=0.005, scenario="ss3")
+EPISODE = {"reason": "goal", "success": True, "peak_probe_kN": 8.0, "final_yaw_deg": 0.5, "time_s": 43.0}
+
+
+@pytest.fixture(scope="module")
+def agent(finished: Path) -> Agent:
+    return load_agent(finished / "agent")
+
+
+def row(agent: Agent, seed: int) -> np.ndarray:
+    """Numbers near the agent's own."""
+    return numbers(agent.network) + np.random.default_rng(seed).normal(0.0, 0.3, numbers(agent.network).size)
+
+
+def evolved(agent: Agent, run: Path, section: Evolution = SMALL, stop_after: int = 99) -> np.ndarray | None:
+    stop = threading.Event()
+
+    def tell(generation: int, verdict: object) -> None:
+        if generation >= stop_after:
+            stop.set()
+
+    network = evolve(agent, section, run, 1, stop, tell)
+    return None if network is None else numbers(network)
+
+
+def test_the_last_layer_goes_into_a_row_and_back(agent: Agent) -> None:
+    again = with_numbers(agent.network, numbers(agent.network))
+    for one, other in zip(again.weights + again.biases, agent.network.weights + agent.network.biases, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_candidate_drives_the_episodes_that_an_evaluation_of_it_would(agent: Agent) -> None:
+    scenario, seeds = load_scenario("ss3"), block(0, EVOLUTION, 3)
+    networks = [with_numbers(agent.network, row(agent, k)) for k in range(2)]
+    for network, found in zip(networks, Arena(agent, scenario, seeds, 2).episodes(networks), strict=True):
+        expected = run_episodes(replace(agent, network=network), scenario, seeds)
+        assert [e["peak_probe_kN"] for e in found] == expected["peak_probe_kN"].to_list()
+        assert [e["time_s"] for e in found] == expected["time_s"].to_list()
+
+
+def test_the_score_by_hand() -> None:
+    rule = Judgement(power=1.0, tail=0.5, success=1.0, success_kN=10.0, yaw_deg=0.5, yaw_kN_per_deg=2.0)
+    lost = EPISODE | {"reason": "overload", "success": False, "peak_probe_kN": 70.0, "final_yaw_deg": -9.0}
+    verdict = judged([EPISODE, lost], rule, ultimate_kN=75.0)
+    assert verdict.peak_mean_kN == pytest.approx(41.5)
+    tail = 8.0 + 0.95 * 67.0
+    assert verdict.peak_p95_kN == pytest.approx(tail)
+    assert verdict.score_kN == pytest.approx(41.5 + 0.5 * tail + 10.0 * 0.5 + 2.0 * 0.5 * 3.5)
+
+
+def test_being_slow_costs_beyond_the_time_that_is_allowed() -> None:
+    rule = Judgement(time_s=40.0, time_kN_per_s=1.0)
+    fast, slow = (judged([EPISODE | {"time_s": time}], rule, 75.0).score_kN for time in (39.0, 43.0))
+    assert slow - fast == pytest.approx(3.0)
+
+
+def test_two_generations_draw_different_candidates_and_neighbouring_seeds_too() -> None:
+    drawn = {generation_seed(seed, generation) for seed in range(5) for generation in range(40)}
+    assert len(drawn) == 200
+
+
+def test_a_stopped_evolution_goes_on_as_if_it_had_not_been(agent: Agent, tmp_path: Path) -> None:
+    whole = evolved(agent, tmp_path / "whole")
+    assert evolved(agent, tmp_path / "parts", stop_after=1) is None
+    np.testing.assert_array_equal(evolved(agent, tmp_path / "parts"), whole)
+    lines = [(tmp_path / name / CURVE).read_text().splitlines() for name in ("whole", "parts")]
+    assert [line.rsplit(",", 1)[0] for line in lines[0]] == [line.rsplit(",", 1)[0] for line in lines[1]]
+    assert len(lines[0]) == 4
+
+
+def test_a_result_that_is_worse_in_unseen_seas_is_not_kept(agent: Agent, tmp_path: Path) -> None:
+    wild = SMALL.model_copy(update={"generations": 1, "spread": 50.0})
+    np.testing.assert_array_equal(evolved(agent, tmp_path, wild), numbers(agent.network))
+
+
+def test_a_broken_state_is_told(agent: Agent, tmp_path: Path) -> None:
+    (tmp_path / STATE).write_bytes(b"none")
+    with pytest.raises(ConfigurationError, match="cannot be read"):
+        evolved(agent, tmp_path)
+
+
+def test_a_run_ends_with_the_evolved_agent_in_all_its_forms(settings: TrainingConfig, tmp_path: Path) -> None:
+    settings = load_training(settings.model_dump(mode="json") | {"evolution": SMALL.model_dump(mode="json")})
+    assert learn(settings, tmp_path / "run", Console(quiet=True))
+    folder = tmp_path / "run" / "agent"
+    agent = load_agent(folder)
+    from stable_baselines3 import PPO
+
+    model = PPO.load(folder / "policy.zip", device="cpu")
+    seen = np.random.default_rng(0).normal(0.0, 1.0, (5, agent.network.sizes[0])).astype(np.float32)
+    expected, _ = model.predict(agent.normaliser(seen), deterministic=True)
+    np.testing.assert_allclose(agent.act(seen), expected, atol=1e-6)
+
+
+def test_seeds_of_the_purposes_never_meet() -> None:
+    blocks = [set(block(0, purpose, 500)) for purpose in (TRAINING, EVALUATION, TUNING, EVOLUTION)]
+    assert len(set.union(*blocks)) == 2000
