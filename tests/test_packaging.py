@@ -97,6 +97,13 @@ def test_wheel_makes_the_environment(installed: Path) -> None:
     assert run_elsewhere(installed, code) == "(2,)"
 
 
+def test_wheel_finds_the_trained_agents_by_name(installed: Path) -> None:
+    code = "from ssmash_gym.evaluation.policies import trained, find_agent; print(*(find_agent(n).name for n in trained()))"
+    here = {path.parent.name for path in (ROOT / "agents" / "trained").glob("*/agent.json")}
+    assert "ppo_traverse" in here
+    assert set(run_elsewhere(installed, code).split()) == here
+
+
 def test_command_line_lists_its_verbs(installed: Path) -> None:
     code = "import sys; from ssmash_gym.cli import main; main(['--help']); print('numba' in sys.modules)"
     printed = run_elsewhere(installed, code)
