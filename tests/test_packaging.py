@@ -98,7 +98,7 @@ def test_wheel_makes_the_environment(installed: Path) -> None:
 
 
 def test_wheel_finds_the_trained_agents_by_name(installed: Path) -> None:
-    code = "from ssmash_gym.evaluation.policies import trained, find_agent; print(*(find_agent(n).name for n in trained()))"
+    code = "import ssmash_gym.evaluation.policies as p; print(*(p.find_agent(name).name for name in p.trained()))"
     here = {path.parent.name for path in (ROOT / "agents" / "trained").glob("*/agent.json")}
     assert "ppo_traverse" in here
     assert set(run_elsewhere(installed, code).split()) == here
