@@ -19,21 +19,20 @@ BEGIN: Final = "<!-- figures of the standard study: begin -->"
 END: Final = "<!-- figures of the standard study: end -->"
 
 
-def percent(figure: Mapping[str, Any]) -> str:
-    """A share in percent with its interval."""
-    low, high = figure["ci"]
-    return f"{100 * figure['value']:.1f} [{100 * low:.1f}, {100 * high:.1f}]"
+def number(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1) -> str:
+    """A figure with its interval, as far as there is one."""
+    if figure["value"] is None:
+        return "-"
+    value = f"{factor * figure['value']:.{digits}f}"
+    if figure["ci"] is None:
+        return value
+    low, high = (factor * bound for bound in figure["ci"])
+    return f"{value} [{low:.{digits}f}, {high:.{digits}f}]"
 
 
-def percent_of(policy: Mapping[str, Any]) -> str:
-    """Its successes in percent."""
-    return f"{100 * policy['success']['value']:.0f}"
-
-
-def number(figure: Mapping[str, Any], digits: int = 1) -> str:
-    """A figure with its interval."""
-    low, high = figure["ci"]
-    return f"{figure['value']:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+def bare(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1) -> str:
+    """A figure without its interval."""
+    return number({"value": figure["value"], "ci": None}, factor, digits)
 
 
 def main_table(condition: Mapping[str, Any]) -> Iterator[str]:
@@ -44,8 +43,8 @@ def main_table(condition: Mapping[str, Any]) -> Iterator[str]:
     for name, p in condition["policies"].items():
         peak = p["peak_probe_kN"]
         cells = [
-            f"`{name}`", str(p["seas"]), percent(p["success"]), number(peak["p95"]), number(peak["mean"]),
-            number(peak["iqm"]), f"{p['time_s']['value']:.1f}", f"{100 * p['over_limit_share']['value']:.2f}",
+            f"`{name}`", str(p["seas"]), number(p["success"], 100.0), number(peak["p95"]), number(peak["mean"]),
+            number(peak["iqm"]), bare(p["time_s"]), bare(p["over_limit_share"], 100.0, 2),
             number(p["peak_main_kN"]["p95"]),
         ]  # fmt: skip
         yield f"| {' | '.join(cells)} |"
@@ -68,7 +67,8 @@ def others_table(conditions: Mapping[str, Any], names: list[str]) -> Iterator[st
 def block(summary: Mapping[str, Any]) -> Iterator[str]:
     """All that stands between the markers."""
     conditions = summary["conditions"]
-    agents = [n for n, p in next(iter(conditions.values()))["policies"].items() if p["kind"] == "agent"]
+    met = {name: p["kind"] for condition in conditions.values() for name, p in condition["policies"].items()}
+    agents = [name for name, kind in met.items() if kind == "agent"]
     versions = summary["versions"]
     yield (
         f"Study `{summary['study']}`, seed {summary['seed']}, ssmash_gym {versions['ssmash_gym']}, configuration "
@@ -89,6 +89,8 @@ def block(summary: Mapping[str, Any]) -> Iterator[str]:
 
 def main() -> None:
     """Rewrite the page."""
+    if len(sys.argv) != 2:
+        raise SystemExit("give the summary.json of a study of `standard`")
     summary = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     text = PAGE.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]

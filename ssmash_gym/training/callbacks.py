@@ -256,8 +256,8 @@ class Bar:
 
 
 @contextmanager
-def stop_on_interrupt(stop: threading.Event, console: Console) -> Iterator[None]:
-    """Ctrl-C asks for a stop after the update that is running; another one, a second later or more, stops at once.
+def stop_on_interrupt(stop: threading.Event, console: Console, unit: str = "update") -> Iterator[None]:
+    """Ctrl-C asks for a stop after the unit that is running; another one, a second later or more, stops at once.
 
     The delay is there because one Ctrl-C may arrive twice: from the terminal and from a parent that passes it on.
     """
@@ -275,7 +275,7 @@ def stop_on_interrupt(stop: threading.Event, console: Console) -> Iterator[None]
             raise KeyboardInterrupt
         stop.set()
         asked_at = time.monotonic()
-        console.print("stopping after this update (once more stops at once and loses it)")
+        console.print(f"stopping after this {unit} (once more stops at once and loses it)")
 
     before = signal.signal(signal.SIGINT, ask)
     try:

@@ -120,8 +120,11 @@ def facts(record: Mapping[str, Any], training: TrainingConfig) -> list[str]:
     """What it is, as a list."""
     method = ALGORITHMS[training.algorithm]
     hidden = " - ".join(map(str, training.network.layers)) or "none"
-    evolution = training.evolution
-    after = "" if evolution is None else f" and {evolution.generations} generations of evolution of its last layer"
+    evolution = record.get("evolution")
+    after = ""
+    if evolution is not None:
+        after = f" and {evolution['generations']} generations of evolution of its last layer"
+        after += "" if evolution["kept"] else " (not kept)"
     return [
         f"- Trained by {method} for {record.get('steps', 0):,} control intervals{after}, seed "
         f"{training.seed}, with "
@@ -130,7 +133,8 @@ def facts(record: Mapping[str, Any], training: TrainingConfig) -> list[str]:
         f"{record['control_interval_s']:g} s on the claw's velocity, along and across the track.",
         f"- Policy: perceptron, hidden layers {hidden}, {record['activation']}; deterministic when evaluated, without "
         "memory; the normaliser is frozen.",
-        "- Trained in the seas, poses and disturbances of `scenario.yaml`; outside of them nothing is known.",
+        "- Trained in the seas, poses and disturbances of `scenario.yaml`; outside of them nothing is known."
+        + (" The last layer was chosen in those of `evolution` in `training.yaml`." if after else ""),
         "- A research model on assumed numbers. Not for use on a ship.",
     ]
 

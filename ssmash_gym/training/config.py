@@ -146,11 +146,13 @@ def load_training(config: str | Path | Mapping[str, Any], changes: Sequence[str]
 
 def with_bases(document: Mapping[str, Any]) -> dict[str, Any]:
     """The document with a named task or scenario written as a mapping, so that a change to it keeps its name."""
-    environment = document.get("environment")
-    if not isinstance(environment, Mapping):
-        return dict(document)
-    named = {key: {BASE_KEY: value} if isinstance(value, str) else value for key, value in environment.items()}
-    return {**document, "environment": named}
+    found = dict(document)
+    for section, keys in (("environment", ("task", "scenario")), ("evolution", ("scenario",))):
+        values = document.get(section)
+        if isinstance(values, Mapping):
+            named = {key: {BASE_KEY: values[key]} for key in keys if isinstance(values.get(key), str)}
+            found[section] = {**values, **named}
+    return found
 
 
 def undotted(changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,11 +10,13 @@ heart; the last mean is kept only if it does better than the start in seas that 
 from __future__ import annotations
 
 import csv
+import hashlib
+import json
 import pickle
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,6 +29,7 @@ from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError, require
 from ssmash_gym.files import whole_file
+from ssmash_gym.sections import validated
 from ssmash_gym.training.agent import Agent
 from ssmash_gym.training.network import Network
 from ssmash_gym.training.sections import Evolution, Judgement
@@ -94,12 +97,15 @@ class Arena:
         scenario: What the seas are drawn from.
         seeds: One a sea.
         threads: Workers; results do not depend on them.
+        most: Policies that are compared at once, at most.
     """
 
-    def __init__(self, agent: Agent, scenario: ScenarioConfig, seeds: Sequence[int], threads: int) -> None:
+    def __init__(
+        self, agent: Agent, scenario: ScenarioConfig, seeds: Sequence[int], threads: int, most: int = TOGETHER
+    ) -> None:
         self.agent = agent
         self.seas = len(seeds)
-        self.copies = max(1, TOGETHER // self.seas)
+        self.copies = max(1, min(TOGETHER // self.seas, most))
         first = TraverseBatch(self.seas, task=agent.task, scenario=scenario, threads=threads)
         first.reset(seeds=list(seeds))
         self._core = first.fork(self.copies)
@@ -109,8 +115,7 @@ class Arena:
         """The metrics of each sea, for each network."""
         found: list[list[Metrics]] = []
         for first in range(0, len(networks), self.copies):
-            group = list(networks[first : first + self.copies])
-            found += self._together([*group, *[group[-1]] * (self.copies - len(group))])[: len(group)]
+            found += self._together(networks[first : first + self.copies])
         return found
 
     def _together(self, networks: Sequence[Network]) -> list[list[Metrics]]:
@@ -118,6 +123,7 @@ class Arena:
         core.restore(self._start)
         ended: dict[int, Metrics] = {}
         running = np.arange(core.n)
+        running = running[running % self.copies < len(networks)]
         while running.size:
             observed = self.agent.normaliser(core.last[running])
             actions = np.empty((running.size, 2), dtype=np.float32)
@@ -127,7 +133,7 @@ class Arena:
             result = core.step(np.clip(actions, -1.0, 1.0), running)
             ended |= {column: ending["episode_metrics"] for column, ending in result.endings.items()}
             running = running[~(result.terminated | result.truncated)]
-        return [[ended[sea * self.copies + k] for sea in range(self.seas)] for k in range(self.copies)]
+        return [[ended[sea * self.copies + k] for sea in range(self.seas)] for k in range(len(networks))]
 
 
 def numbers(network: Network) -> Array:
@@ -145,12 +151,56 @@ def with_numbers(network: Network, row: Array) -> Network:
 
 @dataclass
 class Progress:
-    """Where an evolution stands; pickled after each generation."""
+    """Where an evolution stands; pickled after each generation.
 
+    Attributes:
+        key: Hash of what is evolved, in which seas, and how it is judged.
+        search: The CMA-ES; all of it but its generator is kept, since its own pickle drops half of the covariance.
+        generation, wall_s, lines: Generations that have ended, their time, and a line of the curve each.
+    """
+
+    key: str
     search: Any
     generation: int
     wall_s: float
     lines: list[dict[str, float]]
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in vars(self.search).items() if name != "_rng"}
+        return {**vars(self), "search": (type(self.search), kept)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        kind, kept = state["search"]
+        vars(self).update(state)
+        self.search = kind(mean=kept["_mean"], sigma=1.0, population_size=4)
+        vars(self.search).update(kept)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an evolution has come to.
+
+    Attributes:
+        network: The one to keep: the last mean, or the first network where that does better.
+        kept: Whether it is the evolved one.
+        generations: How many there were.
+        before, after: Verdicts on the first network and on the last mean, in the unseen seas.
+    """
+
+    network: Network
+    kept: bool
+    generations: int
+    before: Verdict
+    after: Verdict
+
+    def record(self) -> dict[str, Any]:
+        """For ``agent.json``."""
+        return {
+            "generations": self.generations,
+            "kept": self.kept,
+            "before": asdict(self.before),
+            "after": asdict(self.after),
+        }
 
 
 def evolve(
@@ -160,7 +210,7 @@ def evolve(
     threads: int,
     stop: threading.Event,
     tell: Callable[[int, Verdict], None] = lambda generation, verdict: None,
-) -> Network | None:
+) -> Outcome | None:
     """Evolve an agent's last layer, in a run folder from which it goes on after a stop.
 
     Args:
@@ -172,14 +222,15 @@ def evolve(
         tell: Called after each generation with its number and the verdict on the best candidate.
 
     Returns:
-        The network to keep: the last mean, or the first one where that does better; None if it was stopped.
+        What it has come to; None if it was stopped.
 
     Raises:
         ImportError: CMA-ES is missing; the sentence names the extra.
-        ConfigurationError: The scenario is refused, or the file of a stopped evolution cannot be read.
+        ConfigurationError: The scenario is refused, or the file of a stopped evolution cannot be read or was made
+            for other weights, seas or settings.
     """
     arenas = Arenas(agent, section, threads)
-    state = _resumed(run / STATE) if (run / STATE).is_file() else _begun(agent, section)
+    state = _resumed(run / STATE, arenas) if (run / STATE).is_file() else _begun(arenas)
     while state.generation < section.generations:
         if stop.is_set():
             return None
@@ -198,7 +249,8 @@ def evolve(
         tell(state.generation, best)
     last = with_numbers(agent.network, state.search.mean)
     before, after = (arenas.verdict(e) for e in arenas.unseen().episodes([agent.network, last]))
-    return last if after.score_kN < before.score_kN else agent.network
+    kept = after.score_kN < before.score_kN
+    return Outcome(last if kept else agent.network, kept, state.generation, before, after)
 
 
 class Arenas:
@@ -212,11 +264,8 @@ class Arenas:
 
     def __init__(self, agent: Agent, section: Evolution, threads: int) -> None:
         self.section, self.threads = section, threads
-        task = agent.task
-        if section.substep_s is not None:
-            task = TaskConfig.model_validate(task.model_dump() | {"substep_s": section.substep_s})
+        task, self.scenario = judged_in(section, agent.task, agent.scenario)
         self.agent = replace(agent, task=task)
-        self.scenario = agent.scenario if section.scenario is None else load_scenario(section.scenario)
         most = section.sets * section.episodes
         self.seeds = block(agent.training.seed, EVOLUTION, most + section.unseen)
         self._made: dict[int, Arena] = {}
@@ -226,19 +275,60 @@ class Arenas:
         turn = (generation // self.section.turn) % self.section.sets
         if turn not in self._made:
             first = turn * self.section.episodes
-            self._made[turn] = self._arena(self.seeds[first : first + self.section.episodes])
+            seeds = self.seeds[first : first + self.section.episodes]
+            self._made[turn] = self._arena(seeds, self.section.population)
         return self._made[turn]
+
+    @property
+    def key(self) -> str:
+        """Hash of what is evolved, in which seas, and how it is judged; the number of generations is left out."""
+        numbers = [array.tobytes() for array in self.agent.network.arrays().values()]
+        how = self.section.model_dump(mode="json", exclude={"generations", "scenario"})
+        settings = [how, self.agent.task.model_dump(mode="json"), self.scenario.model_dump(mode="json"), self.seeds]
+        return hashlib.sha256(b"".join(numbers) + json.dumps(settings, sort_keys=True).encode()).hexdigest()
 
     def unseen(self) -> Arena:
         """The seas that decide in the end."""
-        return self._arena(self.seeds[self.section.sets * self.section.episodes :])
+        self._made.clear()
+        return self._arena(self.seeds[self.section.sets * self.section.episodes :], 2)
 
     def verdict(self, episodes: Sequence[Metrics]) -> Verdict:
         """Of episodes, by the configuration's rule."""
         return judged(episodes, self.section.judgement, self.agent.task.limits.probe_ultimate_kN)
 
-    def _arena(self, seeds: Sequence[int]) -> Arena:
-        return Arena(self.agent, self.scenario, seeds, self.threads)
+    def _arena(self, seeds: Sequence[int], most: int) -> Arena:
+        return Arena(self.agent, self.scenario, seeds, self.threads, most)
+
+
+def judged_in(section: Evolution, task: TaskConfig, scenario: ScenarioConfig) -> tuple[TaskConfig, ScenarioConfig]:
+    """Task and scenario in which an evolution judges.
+
+    Args:
+        section: Its settings.
+        task: The training's.
+        scenario: The training's last one.
+
+    Raises:
+        ConfigurationError: The scenario or the step is refused.
+    """
+    if section.substep_s is not None:
+        task = validated(TaskConfig, task.model_dump() | {"substep_s": section.substep_s}, "training: evolution")
+    return task, scenario if section.scenario is None else load_scenario(section.scenario)
+
+
+def check_evolution(section: Evolution, task: TaskConfig, scenario: ScenarioConfig) -> None:
+    """Refuse an evolution that could not begin, before the gradient takes its time.
+
+    Raises:
+        ConfigurationError: Its scenario or step is refused.
+        ImportError: CMA-ES is missing; the sentence names the extra.
+    """
+    require_evolution()
+    try:
+        judging, seas = judged_in(section, task, scenario)
+        TraverseBatch(1, task=judging, scenario=seas)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"training: evolution is refused: {error}") from None
 
 
 def require_evolution() -> None:
@@ -250,24 +340,28 @@ def require_evolution() -> None:
     require("cmaes", 'evolution needs cmaes, which is not installed: pip install "ssmash_gym[train]".')
 
 
-def _begun(agent: Agent, section: Evolution) -> Progress:
+def _begun(arenas: Arenas) -> Progress:
     require_evolution()
     from cmaes import CMA
 
+    agent, section = arenas.agent, arenas.section
     search = CMA(
         mean=numbers(agent.network), sigma=section.spread, population_size=section.population,
         seed=network_seed(agent.training.seed),
     )  # fmt: skip
-    return Progress(search, 0, 0.0, [])
+    return Progress(arenas.key, search, 0, 0.0, [])
 
 
-def _resumed(path: Path) -> Progress:
+def _resumed(path: Path, arenas: Arenas) -> Progress:
     require_evolution()
     try:
         state = pickle.loads(path.read_bytes())
-    except (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError) as error:
+    except Exception as error:  # a pickle can fail in any way
         raise ConfigurationError(f"{path}: the evolution's state cannot be read ({error}).") from None
-    assert isinstance(state, Progress)
+    if not isinstance(state, Progress) or state.key != arenas.key:
+        raise ConfigurationError(
+            f"{path}: this evolution is of other weights, seas or settings; remove the file to begin anew."
+        )
     return state
 
 

@@ -23,10 +23,11 @@ from ssmash_gym.training.agent import fingerprint, load_agent, save_agent
 from ssmash_gym.training.algorithms import make_environment, make_model, require_training
 from ssmash_gym.training.checkpoint import checkpoints, layers, load_checkpoint, prune, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
-from ssmash_gym.training.evolution import Verdict, evolve, require_evolution
+from ssmash_gym.training.evolution import Outcome, Verdict, check_evolution, evolve
 from ssmash_gym.training.network import take_last_layer
 
 DEFAULT: Final = "ppo_traverse"
+STOPPED: Final = 130  # what a shell expects of a program that Ctrl-C has ended
 LIBRARIES: Final = ("numpy", "numba", "gymnasium", "stable-baselines3", "sb3-contrib", "torch")
 
 
@@ -63,7 +64,8 @@ def train(
         if (run / SEARCH).is_file():
             search(load_search(run / SEARCH), run, console)
             return
-        learn(load_training(run_file(run, "training.yaml")), run, console, resumed=True)
+        if not learn(load_training(run_file(run, "training.yaml")), run, console, resumed=True):
+            raise SystemExit(STOPPED)
         return
     if tune is not None:
         if config is not None:
@@ -73,7 +75,8 @@ def train(
         return
     settings = load_training(named(config), changes)
     require_training(settings.algorithm)
-    learn(settings, new_folder(out, settings.name), console)
+    if not learn(settings, new_folder(out, settings.name), console):
+        raise SystemExit(STOPPED)
 
 
 def new_folder(out: Path | None, name: str) -> Path:
@@ -110,11 +113,11 @@ def learn(
     Returns:
         Whether the training reached its end.
     """
-    if settings.evolution is not None:
-        require_evolution()
     environment = make_environment(settings)
     core = layers(environment)[0].core
     check_stages(settings, core)  # a mistake is told before the start
+    if settings.evolution is not None:
+        check_evolution(settings.evolution, core.task, settings.scenario_at(settings.total_steps, core.scenario))
     model = make_model(settings, environment)
     kept = settings.checkpoints.replay_buffer
     logged = load_checkpoint(newest(run), model, transitions=kept) if resumed else {}
@@ -142,35 +145,40 @@ def learn(
 
 
 def finish(course: Course, model: Any, about: dict[str, Any]) -> bool:
-    """Write the agent, and evolve it where that is asked for; returns whether the end was reached.
+    """Write the agent, its last layer evolved where that is asked for; returns whether the end was reached.
 
-    Until it has ended, the agent in the folder is the one that the gradient left.
+    The newest checkpoint is the agent as the gradient left it, with the task and the scenario of the last stage.
     """
     from ssmash_gym.training.callbacks import stop_on_interrupt
 
     settings, run, console = course.settings, course.run, course.console
-    core = layers(model.env)[0].core
-    folder = run / "agent"
-    save_agent(folder, model, model.env, settings, core.task, core.scenario, about)
+    folder, section = run / "agent", settings.evolution
+    left = load_agent(newest(run))
+    if section is not None:
+
+        def tell(generation: int, best: Verdict) -> None:
+            if generation % 5 == 0 or generation == section.generations:
+                told = f"best of them: score {best.score_kN:.2f} kN, peak probe load {best.peak_mean_kN:.1f} kN"
+                console.print(f"generation {generation:>4} of {section.generations}, {told}", soft_wrap=True)
+
+        with stop_on_interrupt(course.stop, console, "generation"):
+            outcome = evolve(left, section, run, settings.environment.threads, course.stop, tell)
+        if outcome is None:
+            console.print(f"stopped after a generation; go on with: train.py --resume {shown(run)}")
+            return False
+        take_last_layer(model.policy, outcome.network)
+        about = about | {"evolution": outcome.record()}
+        console.print(told_of(outcome), soft_wrap=True)
+    save_agent(folder, model, model.env, settings, left.task, left.scenario, about)
     console.print(f"trained for {model.num_timesteps:,} steps: {shown(folder)}")
-    if settings.evolution is None:
-        return True
-    section = settings.evolution
-
-    def tell(generation: int, best: Verdict) -> None:
-        if generation % 5 == 0 or generation == section.generations:
-            told = f"best of them: score {best.score_kN:.2f} kN, peak probe load {best.peak_mean_kN:.1f} kN"
-            console.print(f"generation {generation:>4} of {section.generations}, {told}", soft_wrap=True)
-
-    with stop_on_interrupt(course.stop, console):
-        network = evolve(load_agent(folder), section, run, settings.environment.threads, course.stop, tell)
-    if network is None:
-        console.print(f"stopped after a generation; go on with: train.py --resume {shown(run)}")
-        return False
-    take_last_layer(model.policy, network)
-    save_agent(folder, model, model.env, settings, core.task, core.scenario, about)
-    console.print(f"evolved: {shown(folder)}")
     return True
+
+
+def told_of(outcome: Outcome) -> str:
+    """An evolution's outcome in a sentence."""
+    before, after = outcome.before, outcome.after
+    scores = f"{before.score_kN:.2f} before, {after.score_kN:.2f} kN after, in seas that no generation has met"
+    return f"evolution: score {scores}: {'kept' if outcome.kept else 'not kept, it is not better'}"
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,7 @@ class Judgement(Section):
     success_kN: NotNegative = Field(12.0, description="for a share that is lower by 1 [kN]")
     yaw_deg: NotNegative = Field(0.6, description="final yaw that costs nothing [deg]: misses shall be clear ones")
     yaw_kN_per_deg: NotNegative = Field(2.0, description="for the mean of what is beyond, up to 4 deg [kN/deg]")
-    time_s: Positive = Field(46.0, description="median time above which the score rises [s]")
+    time_s: Positive = Field(46.0, description="median time of all episodes above which the score rises [s]")
     time_kN_per_s: NotNegative = Field(0.3, description="for each second [kN/s]")
 
 
@@ -167,9 +167,12 @@ class Evolution(Section):
     population: Annotated[int, Field(ge=4)] = Field(20, description="candidates of a generation")
     spread: Positive = Field(0.015, description="first standard deviation of a weight")
     episodes: Annotated[int, Field(ge=1, le=256)] = Field(64, description="seas that each candidate drives in")
-    sets: Count = Field(4, description="sets of so many seas that take turns")
+    sets: Annotated[int, Field(ge=1, le=16)] = Field(4, description="sets of so many seas that take turns")
     turn: Count = Field(3, description="generations that meet the same set")
     unseen: Annotated[int, Field(ge=1, le=256)] = Field(192, description="seas that decide whether the result is kept")
-    scenario: Choice | None = Field(None, description="what seas are drawn from; the environment's by default")
+    scenario: Choice | None = Field(
+        None,
+        description="seas: name, file, or changes to the default scenario; the training's last one by default",
+    )
     substep_s: Positive | None = Field(None, description="of the integrator; the task's by default")
     judgement: Judgement = Judgement()

@@ -119,25 +119,18 @@ def curve_lines(source: Path, steps: int) -> list[dict[str, str]]:
 
 
 def evolution_lines(source: Path, agent: Agent) -> list[dict[str, str]]:
-    """The generations of the run's evolution; none where there was none.
+    """The generations of the run's evolution; none where the agent has not come out of one.
 
     Raises:
-        ConfigurationError: There should be one, and it is missing or has not ended.
+        ConfigurationError: They are missing.
     """
-    section = agent.training.evolution
-    if section is None:
+    if "evolution" not in agent.about:
         return []
     path = next((f / EVOLVED for f in (source, source.resolve().parent) if (f / EVOLVED).is_file()), None)
-    lines: list[dict[str, str]] = []
-    if path is not None:
-        with path.open(newline="", encoding="utf-8") as file:
-            lines = list(csv.DictReader(file))
-    if len(lines) < section.generations:
-        raise ConfigurationError(
-            f"{source}: the evolution has reached {len(lines)} of {section.generations} generations; go on with "
-            "train.py --resume."
-        )
-    return lines
+    if path is None:
+        raise ConfigurationError(f"{source}: the run's {EVOLVED} is missing; it lies in the run folder.")
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def write_agent(

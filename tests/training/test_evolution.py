@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.episodes import run_episodes
 from ssmash_gym.training.agent import Agent, load_agent
 from ssmash_gym.training.config import TrainingConfig, load_training
-from ssmash_gym.training.evolution import CURVE, STATE, Arena, evolve, judged, numbers, with_numbers
+from ssmash_gym.training.evolution import CURVE, STATE, Arena, Metrics, evolve, judged, numbers, with_numbers
+from ssmash_gym.training.network import Network
 from ssmash_gym.training.run import learn
 from ssmash_gym.training.sections import Evolution, Judgement
 from ssmash_gym.training.seeds import EVALUATION, EVOLUTION, TRAINING, TUNING, block, generation_seed
@@ -41,8 +43,8 @@ def evolved(agent: Agent, run: Path, section: Evolution = SMALL, stop_after: int
         if generation >= stop_after:
             stop.set()
 
-    network = evolve(agent, section, run, 1, stop, tell)
-    return None if network is None else numbers(network)
+    outcome = evolve(agent, section, run, 1, stop, tell)
+    return None if outcome is None else numbers(outcome.network)
 
 
 def test_the_last_layer_goes_into_a_row_and_back(agent: Agent) -> None:
@@ -81,13 +83,39 @@ def test_two_generations_draw_different_candidates_and_neighbouring_seeds_too() 
     assert len(drawn) == 200
 
 
-def test_a_stopped_evolution_goes_on_as_if_it_had_not_been(agent: Agent, tmp_path: Path) -> None:
-    whole = evolved(agent, tmp_path / "whole")
-    assert evolved(agent, tmp_path / "parts", stop_after=1) is None
-    np.testing.assert_array_equal(evolved(agent, tmp_path / "parts"), whole)
-    lines = [(tmp_path / name / CURVE).read_text().splitlines() for name in ("whole", "parts")]
-    assert [line.rsplit(",", 1)[0] for line in lines[0]] == [line.rsplit(",", 1)[0] for line in lines[1]]
-    assert len(lines[0]) == 4
+def test_an_evolution_that_is_stopped_after_any_generation_goes_on_as_if_it_had_not_been(
+    agent: Agent, tmp_path: Path
+) -> None:
+    longer = SMALL.model_copy(update={"generations": 5})
+    whole = tmp_path / "whole"
+    kept = evolved(agent, whole, longer)
+    for stop_after in (1, 2, 3):
+        parts = tmp_path / f"stopped_{stop_after}"
+        assert evolved(agent, parts, longer, stop_after) is None
+        np.testing.assert_array_equal(evolved(agent, parts, longer), kept)
+        lines = [(run / CURVE).read_text().splitlines() for run in (whole, parts)]
+        assert [line.rsplit(",", 1)[0] for line in lines[0]] == [line.rsplit(",", 1)[0] for line in lines[1]]
+        assert len(lines[1]) == 6
+
+
+def test_an_evolution_of_other_settings_is_not_gone_on_with(agent: Agent, tmp_path: Path) -> None:
+    assert evolved(agent, tmp_path, stop_after=1) is None
+    with pytest.raises(ConfigurationError, match="other weights, seas or settings"):
+        evolved(agent, tmp_path, SMALL.model_copy(update={"spread": 0.5}))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [({"scenario": "ss9"}, "ss9"), ({"scenario": {"start": {"yaw": 1.0}}}, "yaw"), ({"substep_s": 0.03}, "step")],
+)
+def test_a_mistake_in_the_evolution_is_told_before_the_gradient(
+    settings: TrainingConfig, tmp_path: Path, change: dict[str, object], told: str
+) -> None:
+    wrong = SMALL.model_dump(mode="json") | change
+    settings = load_training(settings.model_dump(mode="json") | {"evolution": wrong})
+    with pytest.raises(ConfigurationError, match=f"evolution.*{told}"):
+        learn(settings, tmp_path / "run", Console(quiet=True))
+    assert not (tmp_path / "run").exists()
 
 
 def test_a_result_that_is_worse_in_unseen_seas_is_not_kept(agent: Agent, tmp_path: Path) -> None:
@@ -112,6 +140,35 @@ def test_a_run_ends_with_the_evolved_agent_in_all_its_forms(settings: TrainingCo
     seen = np.random.default_rng(0).normal(0.0, 1.0, (5, agent.network.sizes[0])).astype(np.float32)
     expected, _ = model.predict(agent.normaliser(seen), deterministic=True)
     np.testing.assert_allclose(agent.act(seen), expected, atol=1e-6)
+
+
+def test_a_run_that_is_stopped_between_gradient_and_end_is_resumed_to_the_same_agent(
+    settings: TrainingConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changes = {
+        "evolution": SMALL.model_dump(mode="json"),
+        "stages": [{"from_step": 300, "reward": {"load_per_s": 0.7}}],
+    }
+    settings = load_training(settings.model_dump(mode="json") | changes)
+    stop = threading.Event()
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert learn(settings, whole, Console(quiet=True))
+    take = Arena.episodes
+
+    def stopping(arena: Arena, networks: Sequence[Network]) -> list[list[Metrics]]:
+        stop.set()  # asked for while the first generation runs
+        return take(arena, networks)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Arena, "episodes", stopping)
+        assert not learn(settings, parts, Console(quiet=True), stop=stop)
+    assert len((parts / CURVE).read_text().splitlines()) == 2
+    assert learn(settings, parts, Console(quiet=True), resumed=True)
+    one, other = (load_agent(run / "agent") for run in (whole, parts))
+    np.testing.assert_array_equal(numbers(one.network), numbers(other.network))
+    assert one.task == other.task
+    assert one.task.reward.load_per_s == 0.7  # the last stage's
+    assert one.about["evolution"] == other.about["evolution"]
 
 
 def test_seeds_of_the_purposes_never_meet() -> None:
