@@ -175,4 +175,4 @@ class Evolution(Section):
         description="seas: name, file, or changes to the default scenario; the training's last one by default",
     )
     substep_s: Positive | None = Field(None, description="of the integrator; the task's by default")
-    judgement: Judgement = Judgement()
+    judgement: Judgement = Field(Judgement(), description="what is minimised")
