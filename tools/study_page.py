@@ -1,6 +1,6 @@
 """Writes the figures of a study into docs/guide/evaluation.md, between its two markers.
 
-python tools/study_page.py runs/standard/summary.json
+``python tools/study_page.py runs/standard/summary.json``
 """
 
 from __future__ import annotations
@@ -11,57 +11,47 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from ssmash_gym.evaluation.figure_text import number, percent
 from ssmash_gym.evaluation.targets import sentences
 from ssmash_gym.files import write_text
+from ssmash_gym.training.card_tables import table
 
 PAGE: Final = Path(__file__).resolve().parents[1] / "docs" / "guide" / "evaluation.md"
 BEGIN: Final = "<!-- figures of the standard study: begin -->"
 END: Final = "<!-- figures of the standard study: end -->"
 
 
-def number(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1) -> str:
-    """A figure with its interval, as far as there is one."""
-    if figure["value"] is None:
-        return "-"
-    value = f"{factor * figure['value']:.{digits}f}"
-    if figure["ci"] is None:
-        return value
-    low, high = (factor * bound for bound in figure["ci"])
-    return f"{value} [{low:.{digits}f}, {high:.{digits}f}]"
-
-
-def bare(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1) -> str:
-    """A figure without its interval."""
-    return number({"value": figure["value"], "ci": None}, factor, digits)
-
-
-def main_table(condition: Mapping[str, Any]) -> Iterator[str]:
+def main_table(condition: Mapping[str, Any]) -> list[str]:
     """Every policy of a condition."""
-    heads = ("policy", "seas", "success %", "P95 kN", "mean kN", "IQM kN", "median time s", "over 15 kN, % of time")
-    yield f"| {' | '.join(heads)} | main tire P95 kN |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    rows = []
     for name, p in condition["policies"].items():
         peak = p["peak_probe_kN"]
-        cells = [
-            f"`{name}`", str(p["seas"]), number(p["success"], 100.0), number(peak["p95"]), number(peak["mean"]),
-            number(peak["iqm"]), bare(p["time_s"]), bare(p["over_limit_share"], 100.0, 2),
-            number(p["peak_main_kN"]["p95"]),
-        ]  # fmt: skip
-        yield f"| {' | '.join(cells)} |"
-
-
-def others_table(conditions: Mapping[str, Any], names: list[str]) -> Iterator[str]:
-    """Success and tail of some policies in every condition."""
-    yield f"| condition | {' | '.join(f'`{name}`' for name in names)} |"
-    yield "|---" * (len(names) + 1) + "|"
-    for key, condition in conditions.items():
-        cells = []
-        for name in names:
-            p = condition["policies"].get(name)
-            cells.append(
-                "-" if p is None else f"{100 * p['success']['value']:.0f} %, {number(p['peak_probe_kN']['p95'])}"
+        rows.append(
+            (
+                f"`{name}`", p["seas"], percent(p["success"]), number(peak["p95"]), number(peak["mean"]),
+                number(peak["iqm"]), number(p["time_s"], short=True),
+                number(p["over_limit_share"], 2, factor=100.0, short=True), number(p["peak_main_kN"]["p95"]),
             )
-        yield f"| `{key}` | {' | '.join(cells)} |"
+        )  # fmt: skip
+    heads = (
+        "policy", "seas", "success %", "P95 kN", "mean kN", "IQM kN", "median time s", "over 15 kN, % of time",
+        "main tire P95 kN",
+    )  # fmt: skip
+    return table(heads, rows)
+
+
+def others_table(conditions: Mapping[str, Any], names: list[str]) -> list[str]:
+    """Success and tail of some policies in every condition."""
+    rows = []
+    for key, condition in conditions.items():
+        found = [condition["policies"].get(name) for name in names]
+        rows.append((f"`{key}`", *("-" if p is None else success_and_tail(p) for p in found)))
+    return table(("condition", *(f"`{name}`" for name in names)), rows)
+
+
+def success_and_tail(policy: Mapping[str, Any]) -> str:
+    """Its successes, and the 95th percentile of its peaks."""
+    return f"{number(policy['success'], 0, factor=100.0, short=True)} %, {number(policy['peak_probe_kN']['p95'])}"
 
 
 def block(summary: Mapping[str, Any]) -> Iterator[str]:

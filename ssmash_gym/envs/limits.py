@@ -66,6 +66,11 @@ def costs(margins: Mapping[str, Array]) -> dict[str, Array]:
     return {name: (margin < 0.0).astype(np.float64) for name, margin in margins.items()}
 
 
+def failed(reason: str) -> bool:
+    """Whether an episode that ended so has failed: neither reached the goal nor run out of time."""
+    return reason not in (GOAL, TIME)
+
+
 def endings(r: Reading, margins: Mapping[str, Array]) -> dict[str, Flags]:
     """Which helicopters are in which terminal condition, the gravest first; (n,) each."""
     return {

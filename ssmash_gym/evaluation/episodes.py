@@ -9,7 +9,7 @@ import numpy as np
 import polars as pl
 
 from ssmash_gym.envs.batch_env import TraverseBatch
-from ssmash_gym.envs.limits import GOAL, LIMITS, TIME
+from ssmash_gym.envs.limits import LIMITS, failed
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.evaluation.policies import Policy
@@ -95,9 +95,9 @@ def _run_batch(
 
 
 def _row(seed: int, metrics: dict[str, Any], exceeded: dict[str, int], task: TaskConfig) -> dict[str, Any]:
-    failed = metrics["reason"] not in (GOAL, TIME)
-    peak_kN = task.limits.probe_ultimate_kN if failed else metrics["peak_probe_kN"]
+    lost = failed(metrics["reason"])
+    peak_kN = task.limits.probe_ultimate_kN if lost else metrics["peak_probe_kN"]
     counts = {f"cost_{name}": count for name, count in exceeded.items()}
     over_s = metrics.get("over_limit_s", exceeded["probe_in_plane"] * task.control_interval_s)
-    scored = {"failed": failed, "scored_peak_kN": float(peak_kN), "over_limit_s": float(over_s)}
+    scored = {"failed": lost, "scored_peak_kN": float(peak_kN), "over_limit_s": float(over_s)}
     return {"seed": seed, **metrics, **scored, **counts}

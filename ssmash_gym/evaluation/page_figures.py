@@ -164,15 +164,24 @@ def _states(data: StudyData) -> Figure | None:
     states = data.sea_states()
     if len(states) < 2:
         return None
-    values = _estimates(data, list(states), *P95)
-    places = [f"SS{number}" for number in states.values()]
-    return Figure(
-        "sea-states",
-        "By sea state",
-        "P95 of the peak probe load with 95 % intervals; dotted: cost limit.",
-        _told(places, values),
-        charts.points(places, values, data.looks, ("sea state", LOAD), limit=data.limit("probe_in_plane_kN")),
-    )
+    places = {name: f"SS{number}" for name, number in states.items()}
+    words = "P95 of the peak probe load with 95 % intervals; dotted: cost limit."
+    return _peaks_over(data, places, "sea state", ("sea-states", "By sea state", words))
+
+
+def _peaks_over(data: StudyData, places: Mapping[str, str], axis: str, told: tuple[str, str, str]) -> Figure:
+    """P95 of the peak loads in some conditions.
+
+    Args:
+        data: The study.
+        places: What stands below each condition.
+        axis: What that is.
+        told: The figure's key, title and words.
+    """
+    values = _estimates(data, list(places), *P95)
+    below = list(places.values())
+    picture = charts.points(below, values, data.looks, (axis, LOAD), limit=data.limit("probe_in_plane_kN"))
+    return Figure(*told, _told(below, values), picture)
 
 
 def _told(places: list[str], values: Mapping[str, list[Estimate | None]]) -> str:
@@ -313,16 +322,9 @@ def _delay(data: StudyData) -> Figure | None:
     delays = data.delays()
     if len(delays) < 2:
         return None
-    values = _estimates(data, list(delays), *P95)
-    places = [f"{delay}" for delay in delays.values()]
-    return Figure(
-        "delay",
-        "By command delay",
-        "P95 of the peak probe load with 95 % intervals over the delay of the claw's commands; dotted: cost limit.",
-        _told(places, values),
-        charts.points(places, values, data.looks, ("delay of the commands [ms]", LOAD),
-                      limit=data.limit("probe_in_plane_kN")),
-    )  # fmt: skip
+    places = {name: f"{delay}" for name, delay in delays.items()}
+    words = "P95 of the peak probe load with 95 % intervals over the delay of the claw's commands; dotted: cost limit."
+    return _peaks_over(data, places, "delay of the commands [ms]", ("delay", "By command delay", words))
 
 
 def _dots(data: StudyData) -> Figure | None:

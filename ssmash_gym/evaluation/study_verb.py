@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.evaluation.figure_text import number
 from ssmash_gym.evaluation.study import StudyConfig, load_study
 from ssmash_gym.evaluation.study_run import planned, run_study
 from ssmash_gym.evaluation.study_summary import summarise
@@ -134,13 +135,7 @@ def table(condition: str, policies: Mapping[str, Mapping[str, Any]]) -> Table:
 
 
 def _cell(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1, bare: bool = False) -> str:
-    if figure["value"] is None:
-        return "-"
-    value = f"{factor * figure['value']:.{digits}f}"
-    if bare or figure["ci"] is None:
-        return value
-    low, high = (factor * bound for bound in figure["ci"])
-    return f"{value} \\[{low:.{digits}f}, {high:.{digits}f}]"
+    return number(figure, digits, factor=factor, short=bare).replace("[", "\\[")  # no markup
 
 
 def listed(words: str | None) -> tuple[str, ...] | None:

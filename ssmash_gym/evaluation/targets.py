@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
+from ssmash_gym.evaluation.figure_text import number
 from ssmash_gym.evaluation.study import StudyConfig
 
 REQUIRED_SUCCESS: Final = 0.95  # of all episodes: goal reached, straight, held
@@ -156,21 +158,13 @@ def _nothing_traded(place: _Place) -> list[Check]:
         verdict: str | bool = difference["value"] <= 0.0
         if not verdict and difference["ci"] is not None and difference["ci"][0] <= 0.0:
             verdict = WITHIN
-        told = f"difference {_number(difference, factor, 2)} {unit}".rstrip()
+        told = f"difference {_number(difference, 2, factor=factor)} {unit}".rstrip()
         found.append(place.check(4, statement, told, verdict))
     return found
 
 
 def _percent(figure: Mapping[str, Any]) -> str:
-    return f"{_number(figure, 100.0)} %"
+    return f"{_number(figure, factor=100.0)} %"
 
 
-def _number(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1) -> str:
-    """Value and interval."""
-    if figure["value"] is None:
-        return "none"
-    value = f"{factor * figure['value']:.{digits}f}"
-    if figure["ci"] is None:
-        return value
-    low, high = (factor * bound for bound in figure["ci"])
-    return f"{value} [{low:.{digits}f}, {high:.{digits}f}]"
+_number = functools.partial(number, none="none")

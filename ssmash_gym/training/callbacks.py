@@ -16,6 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from ssmash_gym.envs.limits import failed
 from ssmash_gym.training.config import TrainingConfig
 from ssmash_gym.training.costs import Priced
 
@@ -147,12 +148,12 @@ def summary(episodes: list[dict[str, Any]]) -> dict[str, float]:
     def of(name: str, statistic: Callable[[Any], Any] = np.mean) -> float:
         return float(statistic([episode[name] for episode in episodes])) if episodes else float("nan")
 
-    failed = [episode["reason"] not in ("goal", "time") for episode in episodes]
+    lost = [failed(episode["reason"]) for episode in episodes]
     return {
         "episodes": float(len(episodes)),
         "success_rate": of("success"),
         "aligned_rate": of("aligned"),
-        "failure_rate": float(np.mean(failed)) if episodes else float("nan"),
+        "failure_rate": float(np.mean(lost)) if episodes else float("nan"),
         "return_mean": of("return"),
         "peak_probe_kN_mean": of("peak_probe_kN"),
         "peak_probe_kN_p95": of("peak_probe_kN", lambda values: np.percentile(values, 95.0)),

@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
+from ssmash_gym.evaluation.figure_text import number, percent
+
 LOW: Final = 3  # so many conditions are named as the worst
 WORDS: Final = {"goal": "reached the goal", "time": "ran out of time"}
 
@@ -121,22 +123,6 @@ def worst_conditions(conditions: Mapping[str, Mapping[str, Any]]) -> list[str]:
     lowest = ", ".join(f"{100 * conditions[name]['own']['success']:.1f} % in `{name}`" for name in success)
     highest = ", ".join(f"{conditions[name]['own']['p95_kN']:.1f} kN in `{name}`" for name in loads)
     return [f"- Lowest success: {lowest}.", f"- Highest P95 of the peak load: {highest}."]
-
-
-def percent(figure: Mapping[str, Any], *, short: bool = False) -> str:
-    """A share in percent, with its interval unless `short`."""
-    return number(figure, factor=100.0, short=short)
-
-
-def number(figure: Mapping[str, Any], digits: int = 1, *, factor: float = 1.0, short: bool = False) -> str:
-    """A figure with its interval unless `short`; a dash for what there is not."""
-    if figure["value"] is None:
-        return "-"
-    value = f"{factor * figure['value']:.{digits}f}"
-    if short or figure["ci"] is None:
-        return value
-    low, high = (f"{factor * bound:.{digits}f}" for bound in figure["ci"])
-    return f"{value} [{low}, {high}]"
 
 
 def _other(policies: Mapping[str, Any], name: str | None) -> str:

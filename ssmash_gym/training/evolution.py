@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.envs.batch_env import TraverseBatch
-from ssmash_gym.envs.limits import GOAL, TIME
+from ssmash_gym.envs.limits import failed
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError, require
@@ -76,8 +76,8 @@ def judged(episodes: Sequence[Metrics], rule: Judgement, ultimate_kN: float) -> 
         rule: What counts how much.
         ultimate_kN: The peak that counts for a failed episode.
     """
-    failed = np.array([episode["reason"] not in (GOAL, TIME) for episode in episodes])
-    peaks = np.where(failed, ultimate_kN, [float(episode["peak_probe_kN"]) for episode in episodes])
+    lost = np.array([failed(episode["reason"]) for episode in episodes])
+    peaks = np.where(lost, ultimate_kN, [float(episode["peak_probe_kN"]) for episode in episodes])
     success = float(np.mean([episode["success"] for episode in episodes]))
     yaw = np.minimum(np.abs([float(episode["final_yaw_deg"]) for episode in episodes]), 4.0)
     median = float(np.median([float(episode["time_s"]) for episode in episodes]))
@@ -229,6 +229,7 @@ def evolve(
         ConfigurationError: The scenario is refused, or the file of a stopped evolution cannot be read or was made
             for other weights, seas or settings.
     """
+    require_evolution()
     arenas = Arenas(agent, section, threads)
     state = _resumed(run / STATE, arenas) if (run / STATE).is_file() else _begun(arenas)
     while state.generation < section.generations:
@@ -341,7 +342,6 @@ def require_evolution() -> None:
 
 
 def _begun(arenas: Arenas) -> Progress:
-    require_evolution()
     from cmaes import CMA
 
     agent, section = arenas.agent, arenas.section
@@ -353,7 +353,6 @@ def _begun(arenas: Arenas) -> Progress:
 
 
 def _resumed(path: Path, arenas: Arenas) -> Progress:
-    require_evolution()
     try:
         state = pickle.loads(path.read_bytes())
     except Exception as error:  # a pickle can fail in any way

@@ -118,15 +118,7 @@ def policy_network(policy: Any) -> Network:
     Raises:
         ValueError: It is of another kind.
     """
-    actor: Any = getattr(policy, "actor", None) or policy
-    if getattr(actor, "use_sde", False):
-        raise ValueError("exploration that depends on the state (use_sde) is not known here")
-    if hasattr(actor, "mlp_extractor"):
-        hidden, head, squash = actor.mlp_extractor.policy_net, actor.action_net, False
-    elif hasattr(actor, "latent_pi"):
-        hidden, head, squash = actor.latent_pi, actor.mu, True
-    else:
-        raise ValueError(f"{type(policy).__name__} holds no perceptron that is known here")
+    hidden, head, squash = _parts(policy)
     layers: Sequence[Any] = [*(layer for layer in hidden if hasattr(layer, "weight")), head]
     used = {type(layer).__name__ for layer in hidden if not hasattr(layer, "weight")}
     if len(used) > 1 or not used <= set(MODULES):
@@ -140,8 +132,23 @@ def take_last_layer(policy: Any, network: Network) -> None:
     """Give a Stable-Baselines3 policy the last layer of a network that `policy_network` has made from it."""
     import torch
 
-    actor: Any = getattr(policy, "actor", None) or policy
-    head = actor.action_net if hasattr(actor, "mlp_extractor") else actor.mu
+    _, head, _ = _parts(policy)
     with torch.no_grad():
         head.weight.copy_(torch.from_numpy(np.ascontiguousarray(network.weights[-1].T)))
         head.bias.copy_(torch.from_numpy(network.biases[-1]))
+
+
+def _parts(policy: Any) -> tuple[Any, Any, bool]:
+    """Hidden layers and last layer of a policy's mean, and whether a tanh follows.
+
+    Raises:
+        ValueError: The policy is of a kind that is not known here.
+    """
+    actor: Any = getattr(policy, "actor", None) or policy
+    if getattr(actor, "use_sde", False):
+        raise ValueError("exploration that depends on the state (use_sde) is not known here")
+    if hasattr(actor, "mlp_extractor"):
+        return actor.mlp_extractor.policy_net, actor.action_net, False
+    if hasattr(actor, "latent_pi"):
+        return actor.latent_pi, actor.mu, True
+    raise ValueError(f"{type(policy).__name__} holds no perceptron that is known here")

@@ -19,12 +19,13 @@ from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
-from ssmash_gym.training.agent import fingerprint, load_agent, save_agent
+from ssmash_gym.training.agent import Agent, fingerprint, load_agent, save_agent
 from ssmash_gym.training.algorithms import make_environment, make_model, require_training
 from ssmash_gym.training.checkpoint import checkpoints, layers, load_checkpoint, prune, save_checkpoint
 from ssmash_gym.training.config import TrainingConfig, load_training
 from ssmash_gym.training.evolution import Outcome, Verdict, check_evolution, evolve
 from ssmash_gym.training.network import take_last_layer
+from ssmash_gym.training.sections import Evolution
 
 DEFAULT: Final = "ppo_traverse"
 STOPPED: Final = 130  # what a shell expects of a program that Ctrl-C has ended
@@ -149,29 +150,32 @@ def finish(course: Course, model: Any, about: dict[str, Any]) -> bool:
 
     The newest checkpoint is the agent as the gradient left it, with the task and the scenario of the last stage.
     """
-    from ssmash_gym.training.callbacks import stop_on_interrupt
-
     settings, run, console = course.settings, course.run, course.console
-    folder, section = run / "agent", settings.evolution
     left = load_agent(newest(run))
-    if section is not None:
-
-        def tell(generation: int, best: Verdict) -> None:
-            if generation % 5 == 0 or generation == section.generations:
-                told = f"best of them: score {best.score_kN:.2f} kN, peak probe load {best.peak_mean_kN:.1f} kN"
-                console.print(f"generation {generation:>4} of {section.generations}, {told}", soft_wrap=True)
-
-        with stop_on_interrupt(course.stop, console, "generation"):
-            outcome = evolve(left, section, run, settings.environment.threads, course.stop, tell)
+    if settings.evolution is not None:
+        outcome = evolved(course, settings.evolution, left)
         if outcome is None:
             console.print(f"stopped after a generation; go on with: train.py --resume {shown(run)}")
             return False
         take_last_layer(model.policy, outcome.network)
         about = about | {"evolution": outcome.record()}
         console.print(told_of(outcome), soft_wrap=True)
-    save_agent(folder, model, model.env, settings, left.task, left.scenario, about)
-    console.print(f"trained for {model.num_timesteps:,} steps: {shown(folder)}")
+    save_agent(run / "agent", model, model.env, settings, left.task, left.scenario, about)
+    console.print(f"trained for {model.num_timesteps:,} steps: {shown(run / 'agent')}")
     return True
+
+
+def evolved(course: Course, section: Evolution, left: Agent) -> Outcome | None:
+    """Evolve the agent that the gradient left, and tell how it goes; None if it was stopped."""
+    from ssmash_gym.training.callbacks import stop_on_interrupt
+
+    def tell(generation: int, best: Verdict) -> None:
+        if generation % 5 == 0 or generation == section.generations:
+            told = f"best of them: score {best.score_kN:.2f} kN, peak probe load {best.peak_mean_kN:.1f} kN"
+            course.console.print(f"generation {generation:>4} of {section.generations}, {told}", soft_wrap=True)
+
+    with stop_on_interrupt(course.stop, course.console, "generation"):
+        return evolve(left, section, course.run, course.settings.environment.threads, course.stop, tell)
 
 
 def told_of(outcome: Outcome) -> str:

@@ -107,14 +107,9 @@ def curve_lines(source: Path, steps: int) -> list[dict[str, str]]:
     Raises:
         ConfigurationError: There is no curve, or it does not reach that far.
     """
-    places = [folder / CURVE for folder in (source, *source.resolve().parents[:2])]
-    path = next((place for place in places if place.is_file()), None)
-    if path is None:
-        raise ConfigurationError(f"{source}: the run's {CURVE} is missing; it lies in the run folder.")
-    with path.open(newline="", encoding="utf-8") as file:
-        lines = [line for line in csv.DictReader(file) if int(line["steps"]) <= steps]
+    lines = [line for line in lines_of_run(source, CURVE) if int(line["steps"]) <= steps]
     if not lines:
-        raise ConfigurationError(f"{path}: there is no line up to the agent's {steps:,} steps.")
+        raise ConfigurationError(f"{source}: {CURVE}: there is no line up to the agent's {steps:,} steps.")
     return lines
 
 
@@ -124,11 +119,19 @@ def evolution_lines(source: Path, agent: Agent) -> list[dict[str, str]]:
     Raises:
         ConfigurationError: They are missing.
     """
-    if "evolution" not in agent.about:
-        return []
-    path = next((f / EVOLVED for f in (source, source.resolve().parent) if (f / EVOLVED).is_file()), None)
+    return lines_of_run(source, EVOLVED) if "evolution" in agent.about else []
+
+
+def lines_of_run(source: Path, name: str) -> list[dict[str, str]]:
+    """The lines of a table of the run that an agent comes from: beside the agent, or in the run folder above it.
+
+    Raises:
+        ConfigurationError: It is missing.
+    """
+    places = [folder / name for folder in (source, *source.resolve().parents[:2])]
+    path = next((place for place in places if place.is_file()), None)
     if path is None:
-        raise ConfigurationError(f"{source}: the run's {EVOLVED} is missing; it lies in the run folder.")
+        raise ConfigurationError(f"{source}: the run's {name} is missing; it lies in the run folder.")
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
