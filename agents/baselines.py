@@ -28,12 +28,14 @@ BASELINES: Final[dict[str, Callable[[TaskConfig], Scripted]]] = {
     **{policy.name: policy for policy in _POLICIES},
     **STRAIGHTEN_BASELINES,
 }
+TUNED: Final = (Yield.name, YieldScheduled.name, Linear.name)  # laws whose gains were searched
 
 __all__ = [
     "ACCELERATION_M_S2",
     "BASELINES",
     "CENTRED_AFTER",
     "SPEED_M_S",
+    "TUNED",
     "Hold",
     "Linear",
     "Operator",

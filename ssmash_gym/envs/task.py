@@ -141,6 +141,11 @@ class Models(Section):
         return Modes(contact=self.contact, friction=self.friction, probe_law=self.probe_law)
 
 
+OBSERVED: Final = ("observation", "observation_clip")  # keys of a task that say what is observed
+OF_AN_AGENT: Final = ("history", "residual")  # and what goes with an agent wherever it acts
+PERCEIVED: Final = (*OBSERVED, *OF_AN_AGENT)
+
+
 class TaskConfig(Section):
     """The task `ssmash/Traverse-v0`; `load_task` makes it from ``configs/tasks/*.yaml``."""
 

@@ -17,11 +17,11 @@ from rich.console import Console
 import ssmash_gym
 from ssmash_gym.envs.loading import names
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
-from ssmash_gym.envs.task import TaskConfig, load_task
+from ssmash_gym.envs.task import OBSERVED, OF_AN_AGENT, TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.episodes import run_episodes, share_of
 from ssmash_gym.evaluation.film import film_episode, require_rendering
-from ssmash_gym.evaluation.policies import Policy, baselines, find_agent, make_baseline
+from ssmash_gym.evaluation.policies import Policy, baselines, find_agent, make_baseline, tuned_laws
 from ssmash_gym.evaluation.report import (
     plot_peaks,
     require_matplotlib,
@@ -90,8 +90,8 @@ def evaluate(
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
     if study is not None:
         refuse_beside_study({"--seed": seed, "--scenario": scenario, "--task": task})
-        chosen_one, name = chosen_study(study, against, conditions, episodes)
-        evaluate_study(chosen_one, name, agents, out, threads=threads, report=report, film=film)
+        whole, name, part = chosen_study(study, against, conditions, episodes)
+        evaluate_study(whole, name, agents, out, part=part, threads=threads, report=report, film=film)
         return
     one = only_agent(agents, conditions)
     others, count, number = against if against is not None else AGAINST, episodes or EPISODES, seed or 0
@@ -137,7 +137,7 @@ def plain_study(
     """
     policies, seas, name = chosen(agent, against, scenario, task)
     scripted = [policy.name for policy in policies if not isinstance(policy, Agent)]
-    judged = policies[0].task.model_dump(mode="json", exclude={"residual", "history"})
+    judged = policies[0].task.model_dump(mode="json", exclude=set(OF_AN_AGENT))
     condition = {"scenario": seas.model_dump(mode="json"), "task": judged, "description": seas.description or name}
     place = re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
     document = {
@@ -146,7 +146,7 @@ def plain_study(
         "episodes": episodes,
         "conditions": {place: condition},
         "runs": [{"conditions": [place], "policies": scripted, "agents": True}],
-        "roles": {"laws": [one for one in scripted if one.startswith("yield")]},
+        "roles": {"laws": [one for one in scripted if one in tuned_laws()], "clairvoyant": "clairvoyant"},
     }
     return load_study(document)
 
@@ -228,7 +228,7 @@ def scenario_name(agent: Agent) -> str:
 
 def with_observation(task: TaskConfig, other: TaskConfig) -> TaskConfig:
     """The task, observed as in another one."""
-    return task.model_copy(update={"observation": other.observation, "observation_clip": other.observation_clip})
+    return task.model_copy(update={key: getattr(other, key) for key in OBSERVED})
 
 
 def run_all(

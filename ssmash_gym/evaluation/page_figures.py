@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,13 +15,13 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation import charts
 from ssmash_gym.evaluation.page_data import Array, StudyData
 from ssmash_gym.evaluation.page_tables import Grid, pair_table
-from ssmash_gym.evaluation.statistics import Estimate, estimates, mean
-from ssmash_gym.evaluation.summary import BANDS_G, FEWEST
+from ssmash_gym.evaluation.severity import BANDS, PEAK, band_means
+from ssmash_gym.evaluation.statistics import Estimate
+from ssmash_gym.evaluation.summary import FEWEST
 from ssmash_gym.evaluation.targets import SLOWER
 from ssmash_gym.ship.sea import comes_from_deg
 
 SECTORS: Final = 12  # of the compass
-PEAK: Final = "scored_peak_kN"
 P95: Final = ("peak_probe_kN", "p95")
 STRETCHES: Final = 60  # of a learning curve
 LOAD: Final = "peak probe load, P95 [kN]"
@@ -199,14 +198,8 @@ def _severity(data: StudyData) -> Figure | None:
     everywhere = [name for name in data.drivers if states and all((one, name) in data.rows.frames for one in states)]
     if not everywhere:
         return None
-    bands = list(itertools.pairwise(BANDS_G))
-    tables = {name: [_within(data, states, name, everywhere, band) for band in bands] for name in everywhere}
-    values = {
-        name: [estimates([one], mean)[0] if one.shape[1] >= FEWEST else None for one in row]
-        for name, row in tables.items()
-    }
-    counts = [one.shape[1] for one in tables[everywhere[0]]]
-    places = [f"{low:g}-{high:g}" if math.isfinite(high) else f"> {low:g}" for low, high in bands]
+    values, counts = band_means(data.rows, states, everywhere)
+    places = [f"{low:g}-{high:g}" if math.isfinite(high) else f"> {low:g}" for low, high in BANDS]
     told = [f"{place}\n{count} seas" for place, count in zip(places, counts, strict=True)]
     filled = [k for k, count in enumerate(counts) if count >= FEWEST]
     if not filled:
@@ -222,19 +215,6 @@ def _severity(data: StudyData) -> Figure | None:
             ("lateral specific force, RMS [g]", "peak probe load, mean [kN]"), limit=data.limit("probe_in_plane_kN"),
         ),
     )  # fmt: skip
-
-
-def _within(
-    data: StudyData, conditions: list[str], policy: str, policies: list[str], band_g: tuple[float, float]
-) -> Array:
-    """Peak loads of a policy in the seas that all have met in a band of the severity, (training seeds, seas)."""
-    found = []
-    for condition in conditions:
-        seas = data.rows.seas(condition, *policies)
-        severity = data.rows.table(condition, policy, "sea_lateral_g", seas)[0]
-        inside = (severity >= band_g[0]) & (severity < band_g[1])
-        found.append(data.rows.table(condition, policy, PEAK, seas)[:, inside])
-    return np.concatenate(found, axis=1)
 
 
 def _listed(names: list[str]) -> str:

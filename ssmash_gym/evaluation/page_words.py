@@ -169,7 +169,7 @@ def made(data: StudyData) -> str:
     mixed = "" if states == 1 else f" The rows were made by {states} states of the code."
     return (
         f"Study “{data.name}”, configuration {data.document['configuration']}, code {versions.get('code', DASH)}, "
-        f"made by ssmash_gym {versions['ssmash_gym']}; page written by ssmash_gym {__version__}. Episode seeds: the "
-        f"first {data.config.episodes} of block {data.document['seed']} for evaluation, which no training or tuning "
+        f"made by ssmash_gym {versions['ssmash_gym']}; page written by ssmash_gym {__version__}. Episode seeds: up "
+        f"to {data.config.episodes} of block {data.document['seed']} for evaluation, which no training or tuning "
         f"draws from; they stand in rows/*.parquet with every figure of every episode.{mixed}"
     )

@@ -55,6 +55,11 @@ def baselines() -> Mapping[str, Callable[[TaskConfig], Policy]]:
     return cast("Mapping[str, Callable[[TaskConfig], Policy]]", registry)
 
 
+def tuned_laws() -> tuple[str, ...]:
+    """Names of the scripted policies whose gains were searched."""
+    return cast("tuple[str, ...]", import_module("ssmash_gym.agents.baselines").TUNED)
+
+
 def planners() -> Mapping[str, Callable[[TaskConfig], Policy]]:
     """The policies that look ahead on copies of the simulation, by name: each makes itself for a task."""
     registry = import_module("ssmash_gym.agents.planning").PLANNERS

@@ -134,8 +134,12 @@ class StudyConfig(Section):
             most: Seas at most.
 
         Raises:
-            ConfigurationError: A name is none of the study's, or nothing is left.
+            ConfigurationError: A name is none of the study's, there are fewer seas, or nothing is left.
         """
+        if most is not None and most > self.episodes:
+            raise ConfigurationError(
+                f"--episodes {most} is refused: the study has {self.episodes} seas, and the option only takes fewer."
+            )
         for kind, given, known in (("policy", policies, self.scripted), ("condition", conditions, self.conditions)):
             for name in given or ():
                 if name not in known:
@@ -151,8 +155,7 @@ class StudyConfig(Section):
             raise ConfigurationError(
                 "study: nothing is left to run: name policies and conditions that belong together."
             )
-        seas = self.episodes if most is None else min(most, self.episodes)
-        return self.model_copy(update={"runs": tuple(runs), "episodes": seas})
+        return self.model_copy(update={"runs": tuple(runs), "episodes": self.episodes if most is None else most})
 
 
 def load_study(study: str | Path | Mapping[str, Any]) -> StudyConfig:

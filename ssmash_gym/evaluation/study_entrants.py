@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import hashlib
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any, Final
 
 import ssmash_gym
 from ssmash_gym.assets import asset_path
-from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.envs.task import PERCEIVED, TaskConfig
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
 from ssmash_gym.evaluation.policies import Policy, agent_folder, baselines, make_baseline
@@ -23,8 +22,8 @@ from ssmash_gym.training.agent import NORMALISER, WEIGHTS, Agent, load_agent
 AGENT: Final = "agent"
 SCRIPTED: Final = "scripted"
 PLANNER: Final = "planner"
+PLANNERS: Final = ("planning", "mppi", "clairvoyant")  # beginnings of the names of their sources
 PHYSICS: Final = ("dynamics", "envs", "ship", "simulation", "vehicle")  # parts of the package that make an episode
-_PERCEIVED: Final = ("observation", "observation_clip", "history", "residual")  # keys of an agent's task that stay its
 
 
 @dataclass(frozen=True)
@@ -58,9 +57,9 @@ def scripted_entrant(name: str, task: TaskConfig) -> Entrant:
     Raises:
         ConfigurationError: There is none of that name.
     """
-    policy = make_baseline(name, task)
+    make_baseline(name, task)
     kind = SCRIPTED if name.partition("@")[0] in baselines() else PLANNER
-    identity = digest(name, ssmash_gym.__version__, _sources(policy))
+    identity = digest(name, ssmash_gym.__version__, _made_of(kind))
     return Entrant(name, None, kind, identity, functools.partial(make_baseline, name))
 
 
@@ -98,7 +97,7 @@ def _agent(folder: Path, called: str) -> Entrant:
     if not re.match(NAME, agent.name):
         raise ConfigurationError(f"--agent: the name {agent.name!r} is refused: letters, digits and _ . @ + - only.")
     files = [(folder / name).read_bytes() for name in (WEIGHTS, NORMALISER)]
-    own = {key: value for key, value in agent.task.model_dump(mode="json").items() if key in _PERCEIVED}
+    own = {key: value for key, value in agent.task.model_dump(mode="json").items() if key in PERCEIVED}
     identity = digest([hashlib.sha256(content).hexdigest() for content in files], own, ssmash_gym.__version__)
     about = {key: agent.about[key] for key in ("name", "configuration", "steps", "versions") if key in agent.about}
     return Entrant(agent.name, agent.training.seed, AGENT, identity, functools.partial(_within, agent), about)
@@ -106,15 +105,18 @@ def _agent(folder: Path, called: str) -> Entrant:
 
 def _within(agent: Agent, task: TaskConfig) -> Policy:
     """The agent in a task that it perceives in its own way."""
-    own = {key: getattr(agent.task, key) for key in _PERCEIVED}
+    own = {key: getattr(agent.task, key) for key in PERCEIVED}
     return agent.within(task.model_copy(update=own))
 
 
-def _sources(policy: Policy) -> list[str]:
-    """Hashes of the files that a scripted policy is made of: its classes' modules, and the tuned numbers."""
-    modules = {sys.modules[kind.__module__] for kind in type(policy).__mro__ if kind.__module__ != "builtins"}
-    own = [str(module.__file__) for module in modules if module.__name__.startswith(ssmash_gym.__name__)]
-    return _hashes([*(Path(name) for name in own), *_data()])
+def _made_of(kind: str) -> list[str]:
+    """Hashes of the files that scripted policies, or planners, are made of: their sources and the tuned numbers.
+
+    All of a kind share them: which modules one policy goes through is not told by its class, and a wrong guess would
+    mix rows. Sources of planners do not touch the scripted policies.
+    """
+    sources = asset_path("agents").glob("*.py")
+    return _hashes([*(path for path in sources if kind == PLANNER or not path.name.startswith(PLANNERS)), *_data()])
 
 
 def _data() -> list[Path]:

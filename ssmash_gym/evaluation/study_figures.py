@@ -158,7 +158,8 @@ def beyond_hold(episodes: Episodes, hold: Episodes, options: Options) -> dict[st
 def pair_figures(episodes: Episodes, other: Episodes, options: Options) -> dict[str, Any]:
     """Figures of one policy against another one in the same seas; intervals are paired by sea.
 
-    Differences are the first minus the other, ratios the first over the other.
+    Differences are the first minus the other, ratios the first over the other; ``p95_kN`` and ``other_p95_kN`` are
+    those of the seas that both have met.
     """
     below = (episodes.tables["peak_kN"][:, None] < other.tables["peak_kN"][None]).mean(axis=1)
 
@@ -172,6 +173,8 @@ def pair_figures(episodes: Episodes, other: Episodes, options: Options) -> dict[
             for name in ("success", "aligned", "lift_offs", "lift_offs_per_min", "corridor")
         }
         return {
+            "p95_kN": highest[0],
+            "other_p95_kN": highest[1],
             "p95_difference_kN": highest[0] - highest[1],
             "p95_ratio": ratio(*highest),
             "mean_difference_kN": average[0] - average[1],
@@ -230,13 +233,18 @@ def _per_seed(episodes: Episodes) -> list[dict[str, Any]]:
 
 
 def _share(episodes: Episodes, name: str, found: dict[str, Any], options: Options) -> dict[str, Any]:
-    """A share with Wilson's interval; of several training seeds with the bootstrap's, unless that has no width."""
+    """A share with Wilson's interval; of several training seeds with the wider bounds of the bootstrap and Wilson's.
+
+    Wilson's is then that of so many seas with the mean share: near 0 and 1 the bootstrap alone is too narrow, and has
+    no width where all are hits.
+    """
     table = episodes.tables[name]
     if table.shape[0] == 1:
         return figure(share(table[0], level=options.level))
-    if table.min() == table.max():
-        return figure(share(table[0], level=options.level))  # all hits, or none: as many as there are seas
-    return found
+    seas = table.shape[1]
+    wilson = share(np.arange(seas) < round(float(table.mean()) * seas), level=options.level)
+    low, high = found["ci"] if found["ci"] is not None else wilson.interval
+    return {"value": found["value"], "ci": [min(low, wilson.low), max(high, wilson.high)]}
 
 
 def _estimated(samples: Sequence[Episodes], figures: Any, options: Options) -> dict[str, Any]:

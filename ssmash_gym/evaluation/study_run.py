@@ -61,7 +61,7 @@ class Plan:
     """A study ready to be run.
 
     Attributes:
-        study, name: What was asked for.
+        study, name: The whole study, whatever part of it is run.
         conditions: Resolved, by name.
         entrants: All that take part.
         chunks: All there is to do, in order, whether done or not.
@@ -74,28 +74,30 @@ class Plan:
     chunks: list[Chunk]
 
 
-def planned(study: StudyConfig, name: str, agents: Sequence[str] = ()) -> Plan:
+def planned(study: StudyConfig, name: str, agents: Sequence[str] = (), part: StudyConfig | None = None) -> Plan:
     """Resolve a study and try everything that it names; nothing is written.
 
     Args:
         study: The study.
         name: Of it, in ``study.json``.
         agents: As of `agent_entrants`.
+        part: What of it is run (`StudyConfig.narrowed`); None runs all.
 
     Raises:
         ConfigurationError: A name, a file or a value is refused, or a policy does not suit a condition.
     """
+    part = part or study
     learned = agent_entrants(agents)
     names = tuple(dict.fromkeys(one.name for one in learned))
-    both = [name for name in names if name in study.scripted]
+    both = [name for name in names if name in part.scripted]
     if both:
         raise ConfigurationError(f"--agent: the name {both[0]!r} is a scripted policy's: give another (NAME=FOLDER).")
     conditions = study.resolved()
-    wanted = study.plan(names)
+    wanted = part.plan(names)
     for condition in dict.fromkeys(condition for condition, _ in wanted):
         conditions[condition].check()
     first = next(iter(conditions.values()))
-    entrants = [*(scripted_entrant(one, first.task) for one in study.scripted), *learned]
+    entrants = [*(scripted_entrant(one, first.task) for one in part.scripted), *learned]
     chunks = []
     for (condition, policy), count in wanted.items():
         for entrant in (one for one in entrants if one.name == policy):
@@ -222,6 +224,22 @@ def _policy(entrants: Sequence[Entrant], earlier: dict[str, Any]) -> dict[str, A
     return {"kind": entrants[0].kind, "seeds": seeds}
 
 
+def _refuse_others(plan: Plan, earlier: dict[str, Any], out: Path, advice: str) -> None:
+    """Refuse a policy of another make under the name of one that the folder knows, in whatever condition.
+
+    Raises:
+        ConfigurationError: Weights, gains or sources were other ones.
+    """
+    for one in plan.entrants:
+        known = earlier.get("policies", {}).get(one.name, {}).get("seeds", {}).get(str(one.training_seed))
+        if known is not None and known["identity"] != one.identity:
+            raise ConfigurationError(f"{out}: {_who(one.name, one.training_seed)} was another one there; {advice}.")
+
+
+def _who(name: str, seed: int | None) -> str:
+    return name if seed is None else f"{name} of training seed {seed}"
+
+
 def _refuse_mixing(plan: Plan, present: pl.DataFrame, earlier: dict[str, Any], out: Path) -> None:
     """Refuse to add rows to those of another configuration.
 
@@ -234,10 +252,10 @@ def _refuse_mixing(plan: Plan, present: pl.DataFrame, earlier: dict[str, Any], o
     for name, one in earlier.get("conditions", {}).items():
         if name in plan.conditions and one["configuration"] != plan.conditions[name].configuration:
             raise ConfigurationError(f"{out}: the condition {name} was another one there; {advice}.")
+    _refuse_others(plan, earlier, out, advice)
     kinds = present.select("policy", "training_seed", "condition", "configuration").unique()
     known = {row[:3]: row[3] for row in kinds.iter_rows()}
     for chunk in plan.chunks:
         if known.get(chunk.key, chunk.configuration) != chunk.configuration:
             name, seed, condition = chunk.key
-            who = name if seed is None else f"{name} of training seed {seed}"
-            raise ConfigurationError(f"{out}: {who} was another one there in {condition}; {advice}.")
+            raise ConfigurationError(f"{out}: {_who(name, seed)} was another one there in {condition}; {advice}.")

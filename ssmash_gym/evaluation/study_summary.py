@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.evaluation.statistics import known_median, p95
 from ssmash_gym.evaluation.study import Roles, StudyConfig
 from ssmash_gym.evaluation.study_entrants import AGENT, PLANNER
 from ssmash_gym.evaluation.study_figures import (
@@ -119,11 +120,12 @@ def main_law(study: StudyConfig, conditions: dict[str, Any], agents: list[str]) 
     return best_law(study.roles, figures, REQUIRED_SUCCESS if first is None else figures[first]["success"]["value"])
 
 
-def curve(study: StudyConfig, conditions: dict[str, Any]) -> dict[str, Any] | None:
+def curve(study: StudyConfig, conditions: dict[str, Any], rows: StudyRows) -> dict[str, Any] | None:
     """Load against time: the book at several speeds, and each policy beside the book that takes as long.
 
     None where it was not driven at two speeds or more. The peak load of the book at a policy's median time is
-    interpolated between its speeds; a policy beyond them has none.
+    interpolated between its speeds; a policy beyond them has none. Policies are taken in the seas that the book has met
+    at its speeds.
     """
     name = study.targets.curve if study.targets is not None else None
     figures = conditions.get(name or "", {}).get("policies", {})
@@ -137,9 +139,15 @@ def curve(study: StudyConfig, conditions: dict[str, Any]) -> dict[str, Any] | No
     points.sort(key=lambda point: point["time_s"]["value"])
     times, loads = ([point[key]["value"] for point in points] for key in ("time_s", "p95"))
     beside = {}
-    for policy, found in conditions.get(study.targets.main, {}).get("policies", {}).items():
-        time_s, load = found["time_s"]["value"], found["peak_probe_kN"]["p95"]["value"]
-        if found["success"]["value"] > 0.0 and times[0] <= time_s <= times[-1]:
+    main = study.targets.main
+    driven_seas = rows.seas(str(name), *driven)
+    for policy in conditions.get(main, {}).get("policies", {}):
+        seas = np.intersect1d(driven_seas, rows.seas(main, policy))
+        if not seas.size:
+            continue
+        own = Episodes.of(rows, main, policy, seas).tables
+        time_s, load = float(known_median(own["time_s"].ravel())), float(p95(own["peak_kN"].ravel()))
+        if own["success"].any() and times[0] <= time_s <= times[-1]:
             book = float(np.interp(time_s, times, loads))
             beside[policy] = {"time_s": time_s, "p95_kN": load, "book_p95_kN": book, "ratio": load / book}
     return {"condition": name, "points": points, "equal_time": beside}
@@ -184,7 +192,7 @@ def summarise(out: Path, *, shown: bool = True) -> dict[str, Any]:
         "roles": roles,
         "best_law": main_law(study, conditions, comparison.agents),
         "conditions": conditions,
-        "curve": curve(study, conditions),
+        "curve": curve(study, conditions, rows),
         "targets": checked(study, conditions, comparison.agents),
     }
     write_text(out / SUMMARY, json.dumps(summary, indent=1) + "\n")

@@ -20,8 +20,8 @@ from ssmash_gym.evaluation.targets import sentences
 
 def chosen_study(
     study: str, against: str | None, conditions: str | None, episodes: int | None
-) -> tuple[StudyConfig, str]:
-    """A study and its name, narrowed to what the command line asks for.
+) -> tuple[StudyConfig, str, StudyConfig]:
+    """A study, its name, and the part of it that the command line asks for.
 
     Args:
         study: Name or YAML file.
@@ -34,7 +34,7 @@ def chosen_study(
     """
     found = load_study(study)
     narrowed = found.narrowed(listed(against), listed(conditions), episodes)
-    return narrowed, Path(study).stem if study.endswith((".yaml", ".yml")) else study
+    return found, Path(study).stem if study.endswith((".yaml", ".yml")) else study, narrowed
 
 
 def evaluate_study(
@@ -43,6 +43,7 @@ def evaluate_study(
     agents: Sequence[str],
     out: Path,
     *,
+    part: StudyConfig | None = None,
     threads: int | None = None,
     report: Path | None = None,
     film: bool = True,
@@ -54,6 +55,7 @@ def evaluate_study(
         name: Of it.
         agents: ``NAME=FOLDER,FOLDER``, folders or names.
         out: Folder of rows and figures.
+        part: What of the study is run; None runs all.
         threads: Of the simulation.
         report: Folder for the page; None writes none.
         film: Whether the page has a film of one sea driven by several.
@@ -67,7 +69,7 @@ def evaluate_study(
     """
     write_page = None if report is None else page_writer(agents, film)
     console = Console()
-    plan = planned(study, name, agents)
+    plan = planned(study, name, agents, part)
     bars = Console(stderr=True).is_terminal
     try:
         run_study(plan, out, threads=threads, shown=bars)

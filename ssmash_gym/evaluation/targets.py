@@ -86,7 +86,6 @@ class _Place:
         self.condition, self.agent = condition, agent
         here = conditions.get(condition, {})
         self.own = here.get("policies", {}).get(agent)
-        self.policies = here.get("policies", {})
         self.law: str | None = here.get("best_law", {}).get(agent)
         self.gap = here.get("gap", {}).get(agent)
         self.pairs = {pair["other"]: pair for pair in here.get("pairs", ()) if pair["policy"] == agent}
@@ -108,6 +107,8 @@ def _success_and_time(place: _Place, book: str) -> list[Check]:
     found = [place.check(1, aligned, _percent(success), success["value"] >= REQUIRED_SUCCESS)]
     if book not in place.pairs:
         return [*found, place.nothing(1, in_time, f"{book} was not run")]
+    if not success["value"]:
+        return [*found, place.nothing(1, in_time, "no episode succeeded")]
     times = place.pairs[book]["time_ratio"]
     median = f"{place.own['time_s']['value']:.1f} s, {_percent(times)}"
     return [*found, place.check(1, in_time, median, times["value"] is not None and times["value"] <= SLOWER)]
@@ -119,7 +120,7 @@ def _below(place: _Place, line: int, other: str | None, most: float) -> Check:
     if place.own is None or other not in place.pairs:
         return place.nothing(line, statement, "not run")
     pair = place.pairs[other]
-    own, theirs = (place.policies[name]["peak_probe_kN"]["p95"]["value"] for name in (place.agent, other))
+    own, theirs = (pair[key]["value"] for key in ("p95_kN", "other_p95_kN"))
     difference = pair["p95_difference_kN"]
     told = (
         f"{own:.1f} against {theirs:.1f} kN, {_percent(pair['p95_ratio'])} of it, difference {_number(difference)} kN"
@@ -159,6 +160,9 @@ def _nothing_traded(place: _Place) -> list[Check]:
         if not verdict and difference["ci"] is not None and difference["ci"][0] <= 0.0:
             verdict = WITHIN
         told = f"difference {_number(difference, 2, factor=factor)} {unit}".rstrip()
+        # Who fails early has no time to load anything.
+        if verdict and place.own["success"]["value"] < REQUIRED_SUCCESS:
+            verdict, told = NO_DATA, f"{told}, too few successes to say"
         found.append(place.check(4, statement, told, verdict))
     return found
 

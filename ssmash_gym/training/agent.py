@@ -30,7 +30,7 @@ from pydantic import BaseModel
 from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.observations import chosen_terms, observed_terms
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
-from ssmash_gym.envs.task import TaskConfig, load_task
+from ssmash_gym.envs.task import OF_AN_AGENT, TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import write_text
 from ssmash_gym.training.card import brief_card
@@ -42,7 +42,6 @@ FORMAT: Final = 2
 READABLE: Final = (1, 2)  # 1: networks without `squash`
 # Of the run, not of the model; the schedule is a class of this package, which the file must not depend on.
 NOT_KEPT: Final = ("ep_info_buffer", "ep_success_buffer", "_last_obs", "learning_rate", "lr_schedule")
-OF_THE_AGENT: Final = ("history", "residual")  # keys of the task that go with the agent wherever it acts
 ABOUT: Final = "agent.json"
 NORMALISER: Final = "normaliser.json"
 WEIGHTS: Final = "policy.npz"
@@ -81,7 +80,7 @@ class Agent:
         Raises:
             ConfigurationError: The task is observed otherwise, or commanded at another interval.
         """
-        other = task.model_copy(update={key: getattr(self.task, key) for key in OF_THE_AGENT})
+        other = task.model_copy(update={key: getattr(self.task, key) for key in OF_AN_AGENT})
         if list(chosen_terms(task.observation)) != list(chosen_terms(self.task.observation)):
             raise ConfigurationError(f"{self.name}: the task's observation terms are not those it was trained with.")
         for key in ("control_interval_s", "observation_clip"):

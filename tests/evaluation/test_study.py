@@ -85,6 +85,8 @@ def test_a_study_can_be_run_in_part() -> None:
     for words in ((("tractor",), None, None), (None, ("ss7",), None)):
         with pytest.raises(ConfigurationError, match=r"there is no (policy 'tractor'|condition 'ss7') in it"):
             short_study().narrowed(*words)
+    with pytest.raises(ConfigurationError, match="--episodes 6 is refused: the study has 5 seas"):
+        short_study().narrowed(None, None, 6)
 
 
 @pytest.mark.parametrize(

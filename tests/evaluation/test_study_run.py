@@ -109,10 +109,23 @@ def test_agents_come_later_into_the_same_folder(rows: pl.DataFrame, tmp_path: Pa
     assert again.filter(policy="mine").height == 20
     record = json.loads((tmp_path / "study.json").read_text())
     assert record["policies"]["mine"]["kind"] == "agent" and set(record["policies"]["mine"]["seeds"]) == {"0", "4"}
-    other = untrained(tmp_path / "other", 0.3, 4)
+
+
+@pytest.mark.usefixtures("agents_without_training")
+def test_another_agent_of_the_same_name_is_refused_in_whatever_condition(tmp_path: Path) -> None:
+    first, other = (untrained(tmp_path / name, value, 4) for name, value in (("first", 0.2), ("other", 0.3)))
+    study, out = short_study(), tmp_path / "out"
+    run_study(planned(study, "short", (f"mine={first}",), study.narrowed((), ("calm",), 2)), out, shown=False)
     with pytest.raises(ConfigurationError, match="mine of training seed 4 was another one there"):
-        planned_run = planned(short_study(), "short", (f"mine={other}",))
-        run_study(planned_run, tmp_path, shown=False)
+        run_study(planned(study, "short", (f"mine={other}",), study.narrowed((), ("soft",), 2)), out, shown=False)
+
+
+def test_a_study_in_parts_is_recorded_whole(tmp_path: Path, whole: Path) -> None:
+    study = short_study()
+    for condition in ("soft", "calm"):
+        run_study(planned(study, "short", (), study.narrowed(("hold",), (condition,), 2)), tmp_path, shown=False)
+    apart, together = (json.loads((out / "study.json").read_text()) for out in (tmp_path, whole))
+    assert apart["resolved"] == together["resolved"] and apart["configuration"] == together["configuration"]
 
 
 @pytest.mark.parametrize(
@@ -135,9 +148,21 @@ def test_a_changed_study_refuses_to_mix(whole: Path, rows: pl.DataFrame, changes
 def test_a_changed_policy_refuses_to_mix(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from ssmash_gym.evaluation import study_entrants
 
-    monkeypatch.setattr(study_entrants, "_sources", lambda policy: ["other sources"])
-    with pytest.raises(ConfigurationError, match="hold was another one there in calm"):
+    monkeypatch.setattr(study_entrants, "_made_of", lambda kind: ["other sources"])
+    with pytest.raises(ConfigurationError, match="hold was another one there; rows of both must not be mixed"):
         run(short_study(), whole)
+
+
+@pytest.mark.parametrize(
+    ("edited", "touched"), [("planning_search", {"planner"}), ("laws_gains", {"scripted", "planner"})]
+)
+def test_any_source_of_a_policy_counts(monkeypatch: pytest.MonkeyPatch, edited: str, touched: set[str]) -> None:
+    from ssmash_gym.evaluation import study_entrants
+
+    before = {kind: study_entrants._made_of(kind) for kind in ("scripted", "planner")}
+    plain = study_entrants._hash
+    monkeypatch.setattr(study_entrants, "_hash", lambda path: "new" if path.stem == edited else plain(path))
+    assert {kind for kind, hashes in before.items() if study_entrants._made_of(kind) != hashes} == touched
 
 
 def test_rows_of_other_seas_are_refused(rows: pl.DataFrame) -> None:

@@ -114,6 +114,17 @@ def test_several_training_seeds_are_pooled_and_told_apart() -> None:
     assert all_of_them == {"value": 1.0, "ci": share(np.ones(4)).interval}  # of 4 seas, not of 8 episodes
 
 
+def test_one_miss_does_not_narrow_the_interval_of_a_share() -> None:
+    hits = np.ones((5, 60), dtype=bool)
+    missed = hits.copy()
+    missed[2, 7] = False
+    low = []
+    for table in (hits, missed):
+        frames = [made_up("mine", k, success=list(row)) for k, row in enumerate(table)]
+        low.append(policy_figures(episodes(*frames), QUICK)["success"]["ci"][0])
+    assert low[1] <= low[0] == share(np.ones(60)).low
+
+
 def test_what_a_policy_adds_to_standing_still() -> None:
     driven = episodes(made_up("law", scored_peak_kN=[12.0, 8.0, 9.0, 20.0], lift_offs=[3, 0, 0, 1], time_s=30.0))
     held = episodes(made_up("hold", scored_peak_kN=[10.0, 9.0, 9.0, 10.0], lift_offs=[1, 0, 2, 1], time_s=60.0))
@@ -133,6 +144,7 @@ def test_a_pair_by_hand() -> None:
     value = {name: one["value"] for name, one in found.items() if name != "seas"}
     assert value == pytest.approx(
         {
+            "p95_kN": 5.0, "other_p95_kN": 10.0,
             "p95_difference_kN": -5.0, "p95_ratio": 0.5, "mean_difference_kN": -3.5, "mean_ratio": 5.0 / 8.5,
             "iqm_difference_kN": -5.0, "main_p95_difference_kN": -1.5, "time_ratio": 1.1, "lower_peak_share": 0.75,
             "success_difference": -0.25, "aligned_difference": 0.0, "lift_offs_difference": -1.0,
@@ -295,3 +307,10 @@ def test_a_folder_without_rows_is_refused(tmp_path: Path) -> None:
         path.unlink()
     with pytest.raises(ConfigurationError, match="no row"):
         summarise(tmp_path, shown=False)
+
+
+def test_who_fails_at_once_is_not_praised_for_its_time_and_its_tires(tmp_path: Path) -> None:
+    early = {"scored_peak_kN": 75.0 + 0.0 * SEA, "success": False, "failed": True, "aligned": False, "time_s": 5.0}
+    found = [check for check in folder(tmp_path, early)["targets"] if check["condition"] == "ss5"]
+    assert {check["verdict"] for check in found} <= {"does not hold", "no data"}
+    assert next(check["figure"] for check in found if "median time" in check["statement"]) == "no episode succeeded"
