@@ -157,7 +157,7 @@ def _off_policy(config: TrainingConfig, environment: Any, device: str) -> Any:
     )
     with torch.no_grad():
         model.actor.mu.weight.mul_(0.01)  # as PPO begins: the same nearly everywhere
-        model.actor.mu.bias.copy_(torch.atanh(torch.tensor(config.network.initial_action).clamp(-0.99, 0.99)))
+        model.actor.mu.bias.copy_(torch.atanh(torch.tensor(config.network.initial_action)))
         model.actor.log_std.weight.mul_(0.01)
         model.actor.log_std.bias.fill_(config.network.log_std)
     return model

@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ssmash_gym.envs.limits import failed
+from ssmash_gym.files import whole_file
 from ssmash_gym.training.config import TrainingConfig
 from ssmash_gym.training.costs import Priced
 
@@ -80,7 +81,7 @@ class Curve(BaseCallback):
             with self.path.open(newline="", encoding="utf-8") as file:
                 self.lines = [line for line in csv.DictReader(file) if int(line["steps"]) <= self.model.num_timesteps]
         self.wall_s = float(self.lines[-1]["wall_s"]) if self.lines else 0.0
-        with self.path.open("w", newline="", encoding="utf-8") as file:
+        with whole_file(self.path) as path, path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
             writer.writerows(self.lines)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
 import yaml
 from pydantic import Field, model_validator
@@ -30,6 +30,8 @@ from ssmash_gym.training.sections import (
     Stage,
     Tqc,
 )
+
+NEAR_ONE: Final = 0.99  # beyond it the tanh of SAC and TQC is so flat that their first policy would hardly learn
 
 
 class TrainingConfig(Section):
@@ -115,6 +117,16 @@ class TrainingConfig(Section):
         return self
 
     @model_validator(mode="after")
+    def _before_the_tanh(self) -> Self:
+        begin = self.network.initial_action
+        if isinstance(self.learner, Sac) and any(abs(value) > NEAR_ONE for value in begin):
+            raise ValueError(
+                f"network.initial_action = {list(begin)}: must be within -{NEAR_ONE:g} to {NEAR_ONE:g} with algorithm "
+                f"{self.algorithm}, whose commands are a tanh that never reaches 1"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _whole_trainings(self) -> Self:
         section = self.learner
         if isinstance(section, Sac) and section.steps_per_update % section.train_every:
@@ -139,9 +151,26 @@ def load_training(config: str | Path | Mapping[str, Any], changes: Sequence[str]
         document, source = dict(config), "training"
     else:
         document, source = read("training", config)
+    document = upon_base(document, source)
     for change in changes:
         document = merged(with_bases(document), parsed_change(change))
     return validated(TrainingConfig, document, source)
+
+
+def upon_base(document: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """The document laid over the training that its key ``base`` names, if it has that key.
+
+    Raises:
+        ConfigurationError: There is no such training, or it has a base itself.
+    """
+    changes = dict(document)
+    name = changes.pop(BASE_KEY, None)
+    if name is None:
+        return changes
+    base, called = read("training", str(name))
+    if BASE_KEY in base:
+        raise ConfigurationError(f"{source}: base = {name} is refused: {called} has a base itself.")
+    return merged(with_bases(base), changes)
 
 
 def with_bases(document: Mapping[str, Any]) -> dict[str, Any]:

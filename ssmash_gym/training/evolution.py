@@ -23,6 +23,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+import ssmash_gym
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.limits import failed
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
@@ -154,7 +155,7 @@ class Progress:
     """Where an evolution stands; pickled after each generation.
 
     Attributes:
-        key: Hash of what is evolved, in which seas, and how it is judged.
+        key: Of the `Arenas`: what is evolved, in which seas, and how it is judged.
         search: The CMA-ES; all of it but its generator is kept, since its own pickle drops half of the covariance.
         generation, wall_s, lines: Generations that have ended, their time, and a line of the curve each.
     """
@@ -227,7 +228,7 @@ def evolve(
     Raises:
         ImportError: CMA-ES is missing; the sentence names the extra.
         ConfigurationError: The scenario is refused, or the file of a stopped evolution cannot be read or was made
-            for other weights, seas or settings.
+            with another policy, other seas or settings, or another version of the package.
     """
     require_evolution()
     arenas = Arenas(agent, section, threads)
@@ -282,11 +283,14 @@ class Arenas:
 
     @property
     def key(self) -> str:
-        """Hash of what is evolved, in which seas, and how it is judged; the number of generations is left out."""
-        numbers = [array.tobytes() for array in self.agent.network.arrays().values()]
+        """Hash of all that decides the result, the package's version too; the number of generations is left out."""
+        network, normaliser = self.agent.network, self.agent.normaliser
+        weights = b"".join(array.tobytes() for array in network.arrays().values())
+        policy = [network.sizes, network.activation, network.squash, asdict(normaliser)]
         how = self.section.model_dump(mode="json", exclude={"generations", "scenario"})
-        settings = [how, self.agent.task.model_dump(mode="json"), self.scenario.model_dump(mode="json"), self.seeds]
-        return hashlib.sha256(b"".join(numbers) + json.dumps(settings, sort_keys=True).encode()).hexdigest()
+        seas = [self.agent.task.model_dump(mode="json"), self.scenario.model_dump(mode="json"), self.seeds]
+        told = json.dumps([ssmash_gym.__version__, policy, how, seas], sort_keys=True)
+        return hashlib.sha256(weights + told.encode()).hexdigest()
 
     def unseen(self) -> Arena:
         """The seas that decide in the end."""
@@ -359,7 +363,8 @@ def _resumed(path: Path, arenas: Arenas) -> Progress:
         raise ConfigurationError(f"{path}: the evolution's state cannot be read ({error}).") from None
     if not isinstance(state, Progress) or state.key != arenas.key:
         raise ConfigurationError(
-            f"{path}: this evolution is of other weights, seas or settings; remove the file to begin anew."
+            f"{path}: this evolution is of another policy, of other seas or settings, or of another version of "
+            "ssmash_gym; remove the file to begin anew."
         )
     return state
 

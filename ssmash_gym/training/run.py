@@ -51,8 +51,9 @@ def train(
     Raises:
         ConfigurationError: A mistake in the configuration; nothing has been written.
         ImportError: A library is missing; the sentence names the extra.
+        SystemExit: It was stopped by Ctrl-C, with what a shell expects of that.
     """
-    from ssmash_gym.training.tuning import SEARCH, load_search, search
+    from ssmash_gym.training.tuning import load_search, search
 
     require_training()
     console = Console()
@@ -61,23 +62,31 @@ def train(
             raise ConfigurationError(
                 "--resume goes on with a run as it was: leave out --config, --tune, --set and --out."
             )
-        run = resume.resolve()
-        if (run / SEARCH).is_file():
-            search(load_search(run / SEARCH), run, console)
-            return
-        if not learn(load_training(run_file(run, "training.yaml")), run, console, resumed=True):
-            raise SystemExit(STOPPED)
-        return
-    if tune is not None:
+        reached = go_on(resume.resolve(), console)
+    elif tune is not None:
         if config is not None:
             raise ConfigurationError("--tune FILE names the training it starts from itself: leave out --config.")
         plan = load_search(str(tune), changes)
-        search(plan, new_folder(out, plan.name), console)
-        return
-    settings = load_training(named(config), changes)
-    require_training(settings.algorithm)
-    if not learn(settings, new_folder(out, settings.name), console):
+        reached = search(plan, new_folder(out, plan.name), console)
+    else:
+        settings = load_training(named(config), changes)
+        require_training(settings.algorithm)
+        reached = learn(settings, new_folder(out, settings.name), console)
+    if not reached:
         raise SystemExit(STOPPED)
+
+
+def go_on(run: Path, console: Console) -> bool:
+    """Go on with a run or a search that was stopped; returns whether its end was reached.
+
+    Raises:
+        ConfigurationError: The folder holds neither.
+    """
+    from ssmash_gym.training.tuning import SEARCH, load_search, search
+
+    if (run / SEARCH).is_file():
+        return search(load_search(run / SEARCH), run, console)
+    return learn(load_training(run_file(run, "training.yaml")), run, console, resumed=True)
 
 
 def new_folder(out: Path | None, name: str) -> Path:

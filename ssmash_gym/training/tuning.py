@@ -21,6 +21,7 @@ from ssmash_gym.envs.scenario import load_scenario
 from ssmash_gym.errors import ConfigurationError, require
 from ssmash_gym.files import whole_file, write_text
 from ssmash_gym.training.agent import load_agent
+from ssmash_gym.training.config import TrainingConfig
 from ssmash_gym.training.seeds import TUNING, block, network_seed
 from ssmash_gym.training.tuning_config import Objective, Range, SearchConfig, load_search
 
@@ -52,6 +53,7 @@ def search(plan: SearchConfig, run: Path, console: Console, stop: threading.Even
 
     Raises:
         ImportError: Optuna is missing; the sentence names the extra.
+        ConfigurationError: A training cannot begin, e.g. for want of a GPU; the same trial is tried again on a resume.
     """
     require("optuna", 'the search needs optuna, which is not installed: pip install "ssmash_gym[tune]".')
     import optuna
@@ -83,15 +85,21 @@ def _one(study: Any, plan: SearchConfig, run: Path, console: Console, stop: thre
     """One trial, from the draw of its settings to its score."""
     import optuna
 
-    number = len(study.get_trials(deepcopy=False))
     study.sampler = optuna.samplers.TPESampler(
         n_startup_trials=plan.random_trials, seed=network_seed(plan.seed * 100_003 + _done(study))
     )
     trial = study.ask({key: distribution(entry) for key, entry in plan.space.items()})
+    number = trial.number  # not the count of trials: one that is tried again was numbered when it was queued
+    try:
+        settings = plan.settings(trial.params)
+    except ConfigurationError as mistake:  # a combination that is not allowed counts as a trial given up
+        study.tell(trial, state=optuna.trial.TrialState.PRUNED)
+        console.print(f"trial {number}: {mistake}")
+        return
     folder = run / "trials" / f"{number:04d}"
     shutil.rmtree(folder, ignore_errors=True)
     try:
-        score = _judged(trial, plan, folder, console, stop)
+        score = _judged(trial, plan, settings, folder, stop)
     except optuna.TrialPruned:
         study.tell(trial, state=optuna.trial.TrialState.PRUNED)
         console.print(f"trial {number}: given up")
@@ -100,15 +108,11 @@ def _one(study: Any, plan: SearchConfig, run: Path, console: Console, stop: thre
         study.tell(trial, state=optuna.trial.TrialState.FAIL)
         study.enqueue_trial(trial.params)
         raise Stopped from None
-    except ConfigurationError as mistake:  # a combination that is not allowed counts as a trial given up
-        study.tell(trial, state=optuna.trial.TrialState.PRUNED)
-        console.print(f"trial {number}: {mistake}")
-        return
     study.tell(trial, score)
     console.print(f"trial {number}: {score:.2f} kN")
 
 
-def _judged(trial: Any, plan: SearchConfig, folder: Path, console: Console, stop: threading.Event) -> float:
+def _judged(trial: Any, plan: SearchConfig, settings: TrainingConfig, folder: Path, stop: threading.Event) -> float:
     """Train with a trial's settings and score the agent.
 
     Raises:
@@ -119,7 +123,6 @@ def _judged(trial: Any, plan: SearchConfig, folder: Path, console: Console, stop
 
     from ssmash_gym.training.run import learn
 
-    settings = plan.settings(trial.params)
     halt = _Halt(stop)
     watch = Watch(trial, plan, settings.total_steps, halt)
     finished = learn(settings, folder, Console(quiet=True), stop=halt, watch=watch)

@@ -9,9 +9,12 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from ssmash_gym.envs.loading import merged, read
+from ssmash_gym.envs.scenario import load_scenario
+from ssmash_gym.envs.task import load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.sections import validated
 from ssmash_gym.training.config import TrainingConfig, load_training, parsed_change, undotted, with_bases
+from ssmash_gym.training.evolution import judged_in
 from ssmash_gym.training.sections import Count, NotNegative, Section, Share
 
 
@@ -30,6 +33,9 @@ class Range(Section):
             raise ValueError("give either low and high, or choices")
         if not self.choices and (self.low is None or self.high is None or self.low >= self.high):
             raise ValueError(f"low = {self.low}, high = {self.high}: low must be below high")
+        for end, value in (("low", self.low), ("high", self.high)):
+            if self.whole and value is not None and not value.is_integer():
+                raise ValueError(f"{end} = {value:g}: must be a whole number where whole is true")
         if self.log and (self.choices or (self.low or 0.0) <= 0.0):
             raise ValueError("log: needs low above 0")
         return self
@@ -61,7 +67,7 @@ class SearchConfig(Section):
     objective: Objective = Field(Objective(), description="what is made small")
 
     def settings(self, values: Mapping[str, Any]) -> TrainingConfig:
-        """The training of a trial.
+        """The training of a trial, its task, scenario, stages and evolution checked too.
 
         Args:
             values: What its keys are, by dotted key.
@@ -69,7 +75,13 @@ class SearchConfig(Section):
         Raises:
             ConfigurationError: Unknown key, or a value that is not allowed.
         """
-        return load_training(self.document(values))
+        settings = load_training(self.document(values))
+        task, scenario = load_task(settings.environment.task), load_scenario(settings.environment.scenario)
+        settings.reward_at(settings.total_steps, task.reward)
+        last = settings.scenario_at(settings.total_steps, scenario)
+        if settings.evolution is not None:
+            judged_in(settings.evolution, task, last)
+        return settings
 
     def document(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The same as a document; it holds what the training's file says and the changes, no defaults."""
@@ -86,18 +98,25 @@ def load_search(config: str | Path, changes: Sequence[str] = ()) -> SearchConfig
         changes: ``key=value`` with a dotted key and a YAML value, e.g. ``trials=4``.
 
     Raises:
-        ConfigurationError: Unknown file or key, or a value that is not allowed; one sentence.
+        ConfigurationError: Unknown file or key, or a value that is not allowed, in the search, its training or the
+            judging scenario; one sentence.
     """
     document, source = read("training", config)
     for change in changes:
         document = merged(document, parsed_change(change))
     plan = validated(SearchConfig, document, source)
-    for end in ("low", "high"):  # a mistake in the space is told before the search
+    try:
+        load_scenario(plan.objective.scenario)
+    except ConfigurationError as mistake:
+        raise ConfigurationError(f"{source}: objective.scenario is refused: {mistake}") from None
+    for end in ("low", "high"):  # a mistake in the space or the changes is told before the search
         first = {key: _end(entry, end) for key, entry in plan.space.items()}
         try:
             plan.settings(first)
         except ConfigurationError as mistake:
-            raise ConfigurationError(f"{source}: space ({end} ends): {mistake}") from None
+            raise ConfigurationError(
+                f"{source}: the training with the {end} ends of the space is refused: {mistake}"
+            ) from None
     return plan
 
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from ssmash_gym.agents.laws import Trapezoid
-from ssmash_gym.agents.laws_gains import FILE
+from ssmash_gym.agents.laws_gains import FILE, interpolated
 
 from ssmash_gym.assets import asset_path
 from ssmash_gym.document import read_file
-from tools import lateral_model
+from tools import lateral_model, law_search
 from tools.lateral_model import AT, DECK, INPUTS, STATE, Recording, Replay, identify, record, regressors
-from tools.law_search import ANY, LAWS, decoded, encoded, flattened, nested, objective
+from tools.law_search import LAWS, decoded, encoded, entry, flattened, nested, objective, write
 
 GOOD = {"success": 0.95, "peak_p95_kN": 12.0, "peak_top_tenth_kN": 14.0, "median_time_s": 43.0}
 
@@ -125,17 +130,16 @@ def test_the_committed_model_explains_the_load() -> None:
         assert [len(row) for row in model["rows"].values()] == [len(STATE) + len(INPUTS)] * len(STATE)
 
 
-@pytest.mark.parametrize("name", sorted(ANY))
+@pytest.mark.parametrize("name", sorted(LAWS))
 def test_gains_become_points_and_points_gains(name: str) -> None:
-    law = ANY[name]
+    law = LAWS[name]
     points = np.random.default_rng(1).standard_normal((3, len(law.space)))
     gains = decoded(law, points)
     for i, point in enumerate(points):
         flat = {key: float(values[i]) for key, values in gains.items()}
         np.testing.assert_allclose(encoded(law, flat), point, atol=1e-9)
         assert flattened(nested(flat)) == flat
-    plain = name.removesuffix("_straight")
-    for row in read_file(asset_path(*FILE))["laws"].get(plain, []):
+    for row in read_file(asset_path(*FILE))["laws"][name]:
         assert set(flattened(row["gains"])) == set(law.space)
 
 
@@ -148,3 +152,58 @@ def test_a_candidate_pays_for_load_failures_and_time() -> None:
 
 def test_the_models_meet_at_their_places() -> None:
     np.testing.assert_array_equal(lateral_model.part_of(np.array([0.0, 0.89, 3.0, 7.0, 8.0])), [0, 0, 1, 2, 3])
+
+
+GAINS = {"k_y": 1e-6, "k_c": 0.1, "k_psi": 0.01}
+ROWS = [{"delay_s": delay_s, "gains": GAINS | {"k_c": 0.1 + delay_s}} for delay_s in (0.0, 0.1, 0.2)]
+
+
+def judged(
+    monkeypatch: pytest.MonkeyPatch, success: float, delay_s: float = 0.1, afresh: bool = False
+) -> tuple[dict[str, Any], list[float]]:
+    """A row of a search that proposes one finalist, and each k_c that was driven in sea state 5; nothing is driven."""
+    tried: list[float] = []
+
+    def driven(law: object, task: object, gains: Mapping[str, float], state: int, options: object) -> dict[str, float]:
+        tried.extend([gains["k_c"]] if state == 5 else [])
+        return {"episodes": 4, "success": success, "peak_p95_kN": 10.0 + gains["k_c"], "median_time_s": 43.0}
+
+    def searched(law: object, replay: object, begin: np.ndarray, options: object) -> Sequence[Mapping[str, float]]:
+        tried.append(float(begin[1]))
+        return [GAINS | {"k_c": 0.9}]
+
+    for name in ("record", "identify", "Replay"):
+        monkeypatch.setattr(law_search, name, lambda *_: None)
+    monkeypatch.setattr(law_search, "searched", searched)
+    monkeypatch.setattr(law_search, "driven", driven)
+    row = entry("yield", delay_s, ROWS, Namespace(afresh=afresh, episodes=2, threads=1, rounds=3))
+    return row, tried
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.1, 0.2])
+def test_the_gains_that_the_file_holds_for_the_same_delay_are_a_finalist(
+    delay_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    row, (begin, *tried) = judged(monkeypatch, 0.97, delay_s)
+    assert begin == pytest.approx(encoded(LAWS["yield"], GAINS | {"k_c": 0.1 + delay_s})[1])
+    assert tried == [0.9, 0.1 + delay_s]
+    assert row["gains"]["k_c"] == 0.1 + delay_s
+    assert row["found"]["fits"] is True
+
+
+def test_a_search_afresh_and_one_of_another_delay_have_no_such_finalist(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert judged(monkeypatch, 0.97, afresh=True)[1] == [0.0, 0.9]
+    assert judged(monkeypatch, 0.97, delay_s=0.3)[1][1:] == [0.9]
+
+
+def test_gains_that_do_not_fit_are_told_and_marked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row, _ = judged(monkeypatch, 0.9)
+    assert row["found"]["fits"] is False
+    assert "no finalist reaches 95.5 % within 47.5 s" in capsys.readouterr().out
+    write(tmp_path / "gains.yaml", "yield", row)
+    document = read_file(tmp_path / "gains.yaml")
+    assert document["laws"]["yield"] == [row]
+    assert "found.fits is false" in document["provenance"]["objective"]
+    assert interpolated(document["laws"]["yield"], 0.1) == row["gains"]  # as the laws read it

@@ -123,3 +123,16 @@ def test_blocks_of_seeds_never_meet() -> None:
     blocks = [set(block(seed, purpose, 500)) for seed in range(4) for purpose in purposes]
     assert len(set().union(*blocks)) == sum(map(len, blocks)) == 6000
     assert block(3, TRAINING, 20)[:7] == block(3, TRAINING, 7)
+
+
+def test_a_training_can_change_another_one(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text("base: ppo_traverse\nname: mine\nppo: {epochs: 3}\nevolution: {episodes: 8}\n")
+    mine, base = load_training(path), load_training("ppo_traverse")
+    assert (mine.name, mine.ppo.epochs, mine.evolution.episodes) == ("mine", 3, 8)
+    assert mine.ppo.learning_rate == base.ppo.learning_rate and mine.evolution.scenario == base.evolution.scenario
+    path.write_text("base: quick_traverse\nname: mine\n")
+    with pytest.raises(
+        ConfigurationError, match="base = quick_traverse is refused: training quick_traverse has a base"
+    ):
+        load_training(path)

@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+import itertools
+import pickle
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+import ssmash_gym
 from ssmash_gym.envs.scenario import load_scenario
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.episodes import run_episodes
+from ssmash_gym.training import evolution
 from ssmash_gym.training.agent import Agent, load_agent
+from ssmash_gym.training.checkpoint import checkpoints
 from ssmash_gym.training.config import TrainingConfig, load_training
-from ssmash_gym.training.evolution import CURVE, STATE, Arena, Metrics, evolve, judged, numbers, with_numbers
-from ssmash_gym.training.network import Network
+from ssmash_gym.training.evolution import (
+    CURVE,
+    STATE,
+    Arena,
+    Arenas,
+    Metrics,
+    Verdict,
+    evolve,
+    judged,
+    numbers,
+    with_numbers,
+)
+from ssmash_gym.training.network import Network, policy_network
 from ssmash_gym.training.run import learn
 from ssmash_gym.training.sections import Evolution, Judgement
 from ssmash_gym.training.seeds import EVALUATION, EVOLUTION, TRAINING, TUNING, block, generation_seed
@@ -62,6 +79,18 @@ def test_a_candidate_drives_the_episodes_that_an_evaluation_of_it_would(agent: A
         assert [e["time_s"] for e in found] == expected["time_s"].to_list()
 
 
+def test_candidates_in_several_lots_drive_as_they_do_together(agent: Agent, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario, seeds = load_scenario("ss3"), block(0, EVOLUTION, 2)
+    networks = [with_numbers(agent.network, row(agent, k)) for k in range(5)]
+    together = Arena(agent, scenario, seeds, 1, 5)
+    monkeypatch.setattr(evolution, "TOGETHER", 5)
+    lots = Arena(agent, scenario, seeds, 1, 5)
+    assert (together.copies, lots.copies) == (5, 2)  # two full lots, and one with a copy that stays where it is
+    expected = together.episodes(networks)
+    assert lots.episodes(networks) == expected
+    assert len({str(found) for found in expected}) == 5
+
+
 def test_the_score_by_hand() -> None:
     rule = Judgement(power=1.0, tail=0.5, success=1.0, success_kN=10.0, yaw_deg=0.5, yaw_kN_per_deg=2.0)
     lost = EPISODE | {"reason": "overload", "success": False, "peak_probe_kN": 70.0, "final_yaw_deg": -9.0}
@@ -100,8 +129,25 @@ def test_an_evolution_that_is_stopped_after_any_generation_goes_on_as_if_it_had_
 
 def test_an_evolution_of_other_settings_is_not_gone_on_with(agent: Agent, tmp_path: Path) -> None:
     assert evolved(agent, tmp_path, stop_after=1) is None
-    with pytest.raises(ConfigurationError, match="other weights, seas or settings"):
+    with pytest.raises(ConfigurationError, match="another policy, of other seas or settings") as refusal:
         evolved(agent, tmp_path, SMALL.model_copy(update={"spread": 0.5}))
+    assert "\n" not in str(refusal.value)
+
+
+def test_whatever_decides_the_result_is_part_of_the_key(agent: Agent, monkeypatch: pytest.MonkeyPatch) -> None:
+    network, normaliser = agent.network, agent.normaliser
+    others = [
+        replace(agent, network=with_numbers(network, row(agent, 0))),
+        replace(agent, network=replace(network, activation="relu")),
+        replace(agent, network=replace(network, squash=True)),
+        replace(agent, normaliser=replace(normaliser, clip=2.0)),
+        replace(agent, normaliser=replace(normaliser, observation=None)),
+    ]
+    key = Arenas(agent, SMALL, 1).key
+    assert Arenas(agent, SMALL.model_copy(update={"generations": 9}), 2).key == key
+    keys = [key, *(Arenas(other, SMALL, 1).key for other in others)]
+    monkeypatch.setattr(ssmash_gym, "__version__", "0.0.0")
+    assert len({*keys, Arenas(agent, SMALL, 1).key}) == 7
 
 
 @pytest.mark.parametrize(
@@ -129,24 +175,58 @@ def test_a_broken_state_is_told(agent: Agent, tmp_path: Path) -> None:
         evolved(agent, tmp_path)
 
 
-def test_a_run_ends_with_the_evolved_agent_in_all_its_forms(settings: TrainingConfig, tmp_path: Path) -> None:
-    settings = load_training(settings.model_dump(mode="json") | {"evolution": SMALL.model_dump(mode="json")})
-    assert learn(settings, tmp_path / "run", Console(quiet=True))
-    folder = tmp_path / "run" / "agent"
-    agent = load_agent(folder)
+KEPT = SMALL.model_copy(update={"unseen": 2})  # another number of seas than a generation's: see `always_better`
+
+
+@pytest.fixture
+def always_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the unseen seas of `KEPT` what is judged second, the evolved network, does better."""
+    scores = itertools.cycle((2.0, 1.0))
+
+    def verdict(episodes: Sequence[Metrics], *rule: Any) -> Verdict:
+        found = judged(episodes, *rule)
+        return replace(found, score_kN=next(scores)) if len(episodes) == KEPT.unseen else found
+
+    monkeypatch.setattr(evolution, "judged", verdict)
+
+
+def last_mean(run: Path) -> np.ndarray:
+    """The last layer's numbers to which an evolution has come."""
+    return np.asarray(pickle.loads((run / STATE).read_bytes()).search.mean, dtype=np.float32)
+
+
+def assert_evolved(run: Path) -> None:
+    """The run's agent has the evolved last layer and the checkpoint's other layers, as plain numbers and as a model."""
     from stable_baselines3 import PPO
 
-    model = PPO.load(folder / "policy.zip", device="cpu")
+    left, agent = load_agent(checkpoints(run)[-1]).network, load_agent(run / "agent")
+    model = PPO.load(run / "agent" / "policy.zip", device="cpu")
+    for network in (agent.network, policy_network(model.policy)):
+        np.testing.assert_array_equal(numbers(network), last_mean(run))
+        assert np.all(numbers(network) != numbers(left))
+        for one, other in zip(
+            network.weights[:-1] + network.biases[:-1], left.weights[:-1] + left.biases[:-1], strict=True
+        ):
+            np.testing.assert_array_equal(one, other)
+    assert agent.about["evolution"]["kept"]
     seen = np.random.default_rng(0).normal(0.0, 1.0, (5, agent.network.sizes[0])).astype(np.float32)
     expected, _ = model.predict(agent.normaliser(seen), deterministic=True)
     np.testing.assert_allclose(agent.act(seen), expected, atol=1e-6)
 
 
+@pytest.mark.usefixtures("always_better")
+def test_a_run_ends_with_the_evolved_agent_in_all_its_forms(settings: TrainingConfig, tmp_path: Path) -> None:
+    settings = load_training(settings.model_dump(mode="json") | {"evolution": KEPT.model_dump(mode="json")})
+    assert learn(settings, tmp_path / "run", Console(quiet=True))
+    assert_evolved(tmp_path / "run")
+
+
+@pytest.mark.usefixtures("always_better")
 def test_a_run_that_is_stopped_between_gradient_and_end_is_resumed_to_the_same_agent(
     settings: TrainingConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     changes = {
-        "evolution": SMALL.model_dump(mode="json"),
+        "evolution": KEPT.model_dump(mode="json"),
         "stages": [{"from_step": 300, "reward": {"load_per_s": 0.7}}],
     }
     settings = load_training(settings.model_dump(mode="json") | changes)
@@ -164,6 +244,8 @@ def test_a_run_that_is_stopped_between_gradient_and_end_is_resumed_to_the_same_a
         assert not learn(settings, parts, Console(quiet=True), stop=stop)
     assert len((parts / CURVE).read_text().splitlines()) == 2
     assert learn(settings, parts, Console(quiet=True), resumed=True)
+    for run in (whole, parts):
+        assert_evolved(run)
     one, other = (load_agent(run / "agent") for run in (whole, parts))
     np.testing.assert_array_equal(numbers(one.network), numbers(other.network))
     assert one.task == other.task

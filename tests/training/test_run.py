@@ -89,6 +89,23 @@ def test_a_resumed_run_is_the_run_that_was_never_stopped(
     assert_resumed_is_the_same(settings, finished, tmp_path / "stopped", left=1)
 
 
+def test_a_resume_that_dies_while_it_writes_the_curve_anew_loses_none_of_it(
+    finished: Path, settings: TrainingConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    shutil.rmtree(checkpoints(run)[-1])
+    before = (run / "curve.csv").read_text()
+
+    def die(*_: Any) -> None:
+        raise OSError("killed")
+
+    monkeypatch.setattr(csv.DictWriter, "writerows", die)
+    with pytest.raises(OSError, match="killed"):
+        learn(settings, run, QUIET, resumed=True)
+    assert (run / "curve.csv").read_text() == before
+
+
 def test_a_checkpoint_brings_back_counters_schedule_optimiser_and_generators(
     finished: Path, settings: TrainingConfig
 ) -> None:
@@ -210,6 +227,8 @@ def test_an_incomplete_checkpoint_is_refused(finished: Path, settings: TrainingC
         (["--config", "nowhere.yaml"], "nowhere.yaml"),
         (["--config", "smoke", "--set", "ppo.epoch=3"], "epoch"),
         (["--config", "smoke", "--set", "environment.task.horizon=3"], "horizon"),
+        (["--config", "smoke", "--set", "algorithm=sac", "network.initial_action=[1.0, 0.0]"], "-0.99 to 0.99"),
+        (["--config", "smoke", "--set", "algorithm=tqc", "network.initial_action=[0.0, -1.0]"], "-0.99 to 0.99"),
         (["--resume", "nowhere"], "nowhere"),
         (["--resume", "x", "--config", "smoke"], "--resume"),
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import threading
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,18 @@ import yaml
 from rich.console import Console
 
 from ssmash_gym.cli import main
+from ssmash_gym.document import write_yaml
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.files import write_text
 from ssmash_gym.training import tuning
 from ssmash_gym.training.config import load_training
 from ssmash_gym.training.seeds import TUNING, block
-from ssmash_gym.training.tuning import BEST, TABLE, Watch, penalised, search
+from ssmash_gym.training.tuning import BEST, SEARCH, TABLE, Watch, penalised, search
 from ssmash_gym.training.tuning_config import Objective, SearchConfig, load_search
 
 optuna = pytest.importorskip("optuna")
 QUIET = Console(quiet=True)
+RATE = "rate.txt"  # what the agent of a quick training is made of
 
 
 @pytest.fixture
@@ -54,6 +58,7 @@ def quick(
 
     def learn(settings: Any, run: Path, console: Console, *, stop: threading.Event, watch: Any) -> bool:
         seen.append(settings)
+        write_text(run / "agent" / RATE, repr(settings.ppo.learning_rate))
         if stop_at == len(seen) - 1:
             outer.set()
         return not stop.is_set()
@@ -117,6 +122,85 @@ def test_a_search_that_was_stopped_goes_on_as_if_it_had_not_been(
     assert (tmp_path / "whole" / BEST).read_text().splitlines()[1:] == (
         (tmp_path / "stopped" / BEST).read_text().splitlines()[1:]
     )
+
+
+@pytest.mark.parametrize("stop_at", [0, 1, 2])
+def test_after_a_stop_each_trial_has_its_own_folder_and_number(
+    stop_at: int, plan: SearchConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stop, told = threading.Event(), Console(record=True, file=StringIO(), width=200)
+    quick(monkeypatch, stop_at=stop_at, stop=stop)
+    assert not search(plan, tmp_path, told, stop)
+    quick(monkeypatch)
+    assert search(plan, tmp_path, told)
+    done = [row for row in rows(tmp_path) if row["state"] == "COMPLETE"]
+    assert len(done) == 4
+    for row in done:
+        rate = float((tmp_path / "trials" / f"{int(row['trial']):04d}" / "agent" / RATE).read_text())
+        assert rate == pytest.approx(float(row["ppo.learning_rate"]))
+        assert told.export_text(clear=False).count(f"trial {row['trial']}: {float(row['objective_kN']):.2f} kN") == 1
+
+
+def test_a_combination_that_is_refused_is_given_up_and_any_other_mistake_ends_the_search(
+    plan: SearchConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = plan.model_copy(update={"changes": {**plan.changes, "environment.task.reward.laod": 1.0}, "trials": 2})
+    seen = quick(monkeypatch)
+    assert search(refused, tmp_path / "refused", QUIET)
+    assert not seen
+    assert [row["state"] for row in rows(tmp_path / "refused")] == ["PRUNED", "PRUNED"]
+
+    def learn(*_: Any, **__: Any) -> bool:
+        raise ConfigurationError("PyTorch finds no GPU")
+
+    monkeypatch.setattr("ssmash_gym.training.run.learn", learn)
+    with pytest.raises(ConfigurationError, match="no GPU"):
+        search(plan, tmp_path / "run", QUIET)
+    quick(monkeypatch)
+    assert search(plan, tmp_path / "run", QUIET)  # and the trial is tried again
+    assert [row["state"] for row in rows(tmp_path / "run")] == ["FAIL", *["COMPLETE"] * 4]
+
+
+@pytest.mark.parametrize("resumed", [False, True])
+def test_a_stopped_search_leaves_as_a_stopped_training_does(
+    resumed: bool, plan: SearchConfig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_text(tmp_path / SEARCH, write_yaml(plan.model_dump(mode="json")))
+    words = ["--resume", str(tmp_path)] if resumed else ["--tune", "tune_ppo", "--out", str(tmp_path / "run")]
+    monkeypatch.setattr(tuning, "search", lambda *_: True)
+    assert main(["train", *words]) == 0
+    monkeypatch.setattr(tuning, "search", lambda *_: False)
+    with pytest.raises(SystemExit) as left:
+        main(["train", *words])
+    assert left.value.code == 130
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("objective.scenario=ss9", r"objective\.scenario.*'ss9'.*ss5"),
+        ("objective.scenario={start: {yaw: 1.0}}", r"objective\.scenario.*start\.yaw.*yaw_deg"),
+        ("changes={environment.task.reward.laod: 1}", r"no key reward\.laod; allowed here are.*load_per_s"),
+        ("changes={environment.scenario: ss9}", "'ss9'.*ss5"),
+        ("changes={stages: [{from_step: 9, reward: {laod: 1.0}}]}", "laod.*load_per_s"),
+        ("changes={evolution.scenario: ss9}", "'ss9'.*ss5"),
+        ("space.ppo.epochs={low: 1.5, high: 8, whole: true}", r"low = 1\.5: must be a whole number"),
+        ("space.ppo.epochs={low: 1, high: 8.9, whole: true}", r"high = 8\.9: must be a whole number"),
+    ],
+)
+def test_a_mistake_in_what_the_trials_need_costs_one_sentence_and_no_training(
+    change: str, told: str, plan: SearchConfig, tmp_path: Path
+) -> None:
+    file = tmp_path / "plan.yaml"
+    file.write_text(write_yaml(plan.model_dump(mode="json", exclude_unset=True)))
+    assert load_search(file).space == plan.space
+    if change.startswith("space"):  # its keys have dots
+        document = yaml.safe_load(file.read_text())
+        document["space"]["ppo.epochs"] = yaml.safe_load(change.split("=", 1)[1])
+        file.write_text(yaml.safe_dump(document))
+    with pytest.raises(ConfigurationError, match=told) as refusal:
+        load_search(file, [] if change.startswith("space") else [change])
+    assert "\n" not in str(refusal.value)
 
 
 def test_a_training_that_is_worse_than_the_others_is_given_up(plan: SearchConfig) -> None:
