@@ -101,13 +101,23 @@ def _run(name: str, rest: Sequence[str]) -> int:
     except Misread as mistake:
         print(f"ssmash {name}: {mistake} (`ssmash {name} --help` lists the options)", file=sys.stderr)
         return MISREAD
-    except (ConfigurationError, SolverError, OSError, ImportError) as mistake:
+    except (ConfigurationError, SolverError, ImportError) as mistake:
         print(f"ssmash {name}: {mistake}", file=sys.stderr)
+        return 1
+    except OSError as refusal:
+        print(f"ssmash {name}: {_of_the_system(refusal)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"ssmash {name}: stopped.", file=sys.stderr)
         return INTERRUPTED
     return 0
+
+
+def _of_the_system(refusal: OSError) -> str:
+    """What the operating system refuses, as a sentence: which file or folder, and why."""
+    if refusal.filename is None or refusal.strerror is None:
+        return str(refusal)
+    return f"{refusal.filename}: cannot be read or written ({refusal.strerror.lower()})."
 
 
 def _call(function: Callable[..., None], name: str, rest: Sequence[str]) -> Callable[[], None]:

@@ -101,6 +101,13 @@ def test_a_mistake_costs_one_sentence_and_nothing_is_written(
     assert not out.exists()
 
 
+def test_what_the_system_refuses_names_the_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    words = ["evaluate", "--study", "smoke", "--against", "hold", "--out", str(tmp_path / "file" / "out")]
+    assert main(words) == 1
+    assert "file/out" in (told := capsys.readouterr().err) and "cannot be read or written (" in told
+
+
 def test_a_folder_that_is_not_there_is_not_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", "--out", str(tmp_path / "no" / "run.parquet")]) == 1
     assert "there is no folder" in capsys.readouterr().err

@@ -30,6 +30,7 @@ from ssmash_gym.evaluation.report import (
     table,
 )
 from ssmash_gym.evaluation.study import StudyConfig, load_study
+from ssmash_gym.evaluation.study_run import STUDY
 from ssmash_gym.evaluation.study_verb import chosen_study, evaluate_study
 from ssmash_gym.evaluation.summary import comparison, numbers, policy_summary
 from ssmash_gym.files import whole_file, write_text
@@ -86,6 +87,8 @@ def evaluate(
     agents = (agent,) if isinstance(agent, str) else tuple(agent or ())
     if episodes is not None and episodes < 1:
         raise ConfigurationError(f"--episodes {episodes} is refused: at least 1.")
+    if threads is not None and threads < 1:
+        raise ConfigurationError(f"--threads {threads} is refused: at least 1.")
     if seed is not None and seed < 0:
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
     if study is not None:
@@ -100,6 +103,8 @@ def evaluate(
         learned = () if one is None or one in baselines() else agents
         evaluate_study(of_words, "comparison", learned, out, threads=threads, report=report, film=film)
         return
+    if (out / STUDY).is_file():
+        raise ConfigurationError(f"--out {out} is refused: a study lies there, whose summary would be replaced.")
     compare(one, others, count, number, out, scenario, task, threads, plots, film)
 
 

@@ -143,5 +143,7 @@ def agent_folder(name_or_folder: str) -> Path:
         raise ConfigurationError(
             f"{folder}: this run has not been finished; name one of its checkpoints, or go on with train.py --resume."
         )
-    names = ", ".join([*baselines(), *shipped])
+    if name_or_folder in baselines() or name_or_folder in planners():
+        raise ConfigurationError(f"{name_or_folder!r} is a scripted policy, no trained agent: name it in --against.")
+    names = ", ".join([*shipped, *baselines()])
     raise ConfigurationError(f"there is no agent {name_or_folder!r}: give a run folder or one of {names}.")

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from ssmash_gym.envs.scenario import ScenarioConfig
+from ssmash_gym.envs.loading import names
+from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.training.card_tables import (
     by_condition,
@@ -206,10 +207,19 @@ def _failures(figures: Figures | None) -> Iterator[str]:
     yield from by_severity(own["by_lateral_g"])
 
 
+def _seas(scenario: ScenarioConfig) -> str:
+    """What the scenario says of itself, unless that is of the package's scenario that it changes."""
+    shipped = map(load_scenario, names("scenarios"))
+    base = next((one for one in shipped if one.description == scenario.description), scenario)
+    if base == scenario:
+        return scenario.description or "The scenario of `scenario.yaml`."
+    return "The scenario of `scenario.yaml`, which changes one of the package's."
+
+
 def _trained_on(
     record: Mapping[str, Any], training: TrainingConfig, task: TaskConfig, scenario: ScenarioConfig
 ) -> Iterator[str]:
-    yield from prose(scenario.description or "The scenario of `scenario.yaml`.", "Ranges of an episode:")
+    yield from prose(_seas(scenario), "Ranges of an episode:")
     yield ""
     drawn = scenario.model_dump(mode="json", exclude_defaults=True, exclude={"description"})
     yield from table(("quantity", "range"), ((f"`{key}`", words) for key, words in _ranges(drawn)))

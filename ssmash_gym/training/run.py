@@ -42,7 +42,7 @@ def train(
     """Train an agent, go on with a run that was stopped, or search for good settings.
 
     Args:
-        config: YAML file of the training, or a name in configs/training.
+        config: YAML file of the training, or a name in configs/training; ppo_traverse by default.
         resume: Run folder to go on with, from its newest checkpoint; or the folder of a search.
         changes: Keys to change, e.g. ``--set ppo.epochs=4 seed=1``.
         out: Run folder to make; ``runs/NAME-NUMBER`` by default.
@@ -305,7 +305,9 @@ def newest(run: Path) -> Path:
     """
     found = checkpoints(run)
     if not found:
-        raise ConfigurationError(f"{run}: there is no checkpoint to go on from.")
+        raise ConfigurationError(
+            f"{run}: there is no checkpoint to go on from: give the folder of a run that has made one, not an agent's."
+        )
     return found[-1]
 
 

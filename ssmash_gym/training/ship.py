@@ -78,15 +78,31 @@ def ship(
     called = agent.name if name is None else name
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", called):
         raise ConfigurationError(f"--name {called!r} is refused: letters, digits and _ . - only.")
+    target = out / called
+    refuse_loss(source, target, evaluation)
     lines = curve_lines(source, int(agent.about.get("steps", 0)))
     evolved = evolution_lines(source, agent)
     figures = None if evaluation is None else study_figures(evaluation, source)
-    target = out / called
     with whole_folder(target.resolve()) as folder:
         write_agent(folder, source, replace(agent, name=called), lines, figures, evolved)
         worst = check(folder, agent)
         size_MB = checked_size(folder, called)
     Console().print(f"{target}: {size_MB:.2f} MB; ONNX and NumPy agree to {worst:.0e}")
+
+
+def refuse_loss(source: Path, target: Path, evaluation: Path | None) -> None:
+    """Refuse to make an agent's folder of itself, or to replace one with figures by one without.
+
+    Raises:
+        ConfigurationError: It would be so.
+    """
+    if target.exists() and source.resolve() == target.resolve():
+        raise ConfigurationError(f"{source}: this folder has been shipped already: give the run that it comes from.")
+    if evaluation is None and (target / EVALUATED).is_file():
+        raise ConfigurationError(
+            f"{target}: the agent there has figures of an evaluation, which would be lost: give --evaluation, another "
+            "--name or another --out."
+        )
 
 
 def agent_of(run: Path) -> Path:

@@ -231,6 +231,9 @@ def test_the_film_shows_the_evaluated_episode(tmp_path: Path) -> None:
         (["--agent", "no_such"], "'no_such'"),
         (["--episodes", "0"], "--episodes 0"),
         (["--seed", "-1"], "--seed -1"),
+        (["--threads", "0"], "--threads 0"),
+        (["--study", "smoke", "--agent", "yield"], "'yield' is a scripted policy, no trained agent"),
+        (["--study", "smoke", "--episodes", "5"], "--episodes 5 is refused: the study has 4 seas"),
         (["--scenario", "no_such.yaml"], "no_such.yaml"),
         (["--against", ""], "nothing to evaluate"),
     ],
@@ -268,3 +271,10 @@ def test_baselines_are_found_by_name() -> None:
     assert {"hold", "trapezoid", "yield"} <= set(baselines())
     assert all(make_baseline(name, load_task()).name == name for name in baselines())
     np.testing.assert_array_equal(make_baseline("hold", load_task()).act(np.zeros((2, 3), np.float32)), 0.0)
+
+
+def test_a_comparison_does_not_write_into_a_study(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "study.json").write_text("{}")
+    assert main(["evaluate", "--against", "hold", "--out", str(tmp_path)]) == 1
+    assert "a study lies there" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["study.json"]

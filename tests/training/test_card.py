@@ -196,6 +196,15 @@ def test_mistakes_cost_one_sentence_and_leave_nothing(finished: Path, tmp_path: 
     refused(r"0\.1 MB is refused, most of it policy\.zip", out, finished)
 
 
+def test_a_shipped_agent_does_not_lose_its_figures(finished: Path, with_figures: Path, shipped: Path) -> None:
+    before = (with_figures / "evaluation.json").read_bytes()
+    with pytest.raises(ConfigurationError, match="figures of an evaluation, which would be lost"):
+        ship(finished, name=with_figures.name, out=with_figures.parent)
+    with pytest.raises(ConfigurationError, match="has been shipped already"):
+        ship(shipped, name=shipped.name, out=shipped.parent)
+    assert (with_figures / "evaluation.json").read_bytes() == before
+
+
 def test_an_agent_that_would_act_otherwise_is_not_shipped(finished: Path, tmp_path: Path, monkeypatch: Any) -> None:
     copyfile = shutil.copyfile
 
