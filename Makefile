@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 JOBS ?= 2
+CONFIG ?= quick_traverse
 AGENT ?= runs/latest
 EPISODES ?= 200
 SEED ?= 100000
@@ -26,8 +27,8 @@ $(STAMP): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e .
 	@touch $@
 
-train: $(STAMP) ## Train the traverse agent, then evaluate it on unseen seeds against the baselines
-	$(BIN)/python train.py --config configs/training/ppo_traverse.yaml
+train: $(STAMP) ## Train a traverse agent in some minutes (CONFIG=ppo_traverse: like the shipped one), then evaluate it
+	$(BIN)/python train.py --config $(CONFIG)
 	$(BIN)/python evaluate.py --agent $(AGENT) --against trapezoid,hold,yield,linear --episodes $(EPISODES) --seed $(SEED) \
 	  --scenario training --out runs/evaluation
 
