@@ -195,3 +195,8 @@ def join(node: Any, marks: Mapping[str, Any], path: str = "") -> Any:
     if isinstance(node, Sequence) and not isinstance(node, str):
         return [join(child, marks, f"{path}.{k}") for k, child in enumerate(node)]
     return node
+
+
+def listed(words: str) -> list[str]:
+    """Names with commas between them, each once, in order; empty ones are left out."""
+    return list(dict.fromkeys(name.strip() for name in words.split(",") if name.strip()))

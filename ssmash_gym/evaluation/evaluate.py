@@ -15,6 +15,7 @@ import tyro
 from rich.console import Console
 
 import ssmash_gym
+from ssmash_gym.document import listed
 from ssmash_gym.envs.loading import names
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
 from ssmash_gym.envs.task import OBSERVED, OF_AN_AGENT, TaskConfig, load_task
@@ -30,7 +31,7 @@ from ssmash_gym.evaluation.report import (
     table,
 )
 from ssmash_gym.evaluation.study import StudyConfig, load_study
-from ssmash_gym.evaluation.study_run import STUDY
+from ssmash_gym.evaluation.study_rows import STUDY, SUMMARY
 from ssmash_gym.evaluation.study_verb import chosen_study, evaluate_study
 from ssmash_gym.evaluation.summary import comparison, numbers, policy_summary
 from ssmash_gym.files import whole_file, write_text
@@ -205,7 +206,7 @@ def chosen(
     Raises:
         ConfigurationError: A name or file is refused.
     """
-    others = list(dict.fromkeys(name.strip() for name in against.split(",") if name.strip()))
+    others = listed(against)
     scripted = agent is None or agent in baselines()
     learned = None if scripted else find_agent(str(agent))
     base = load_task("traverse") if learned is None else learned.task
@@ -280,7 +281,7 @@ def write_results(out: Path, summary: dict[str, Any], rows: dict[str, pl.DataFra
     frames = [frame.select(pl.lit(name).alias("policy"), pl.all()) for name, frame in rows.items()]
     with whole_file(out / "episodes.parquet") as temporary:
         pl.concat(frames).write_parquet(temporary)
-    write_text(out / "summary.json", json.dumps(summary, indent=1) + "\n")
+    write_text(out / SUMMARY, json.dumps(summary, indent=1) + "\n")
 
 
 def typical_seed(episodes: pl.DataFrame) -> int:

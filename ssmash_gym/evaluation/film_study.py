@@ -10,13 +10,15 @@ from typing import Annotated, Any, Final
 import numpy as np
 import tyro
 
+from ssmash_gym.document import listed
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.film import SPEED, film_side_by_side, require_rendering
-from ssmash_gym.evaluation.page_data import AGENT, CREDITS, FILM, STUDY, StudyData, read_json, read_study
+from ssmash_gym.evaluation.page_data import AGENT, CREDITS, FILM, StudyData, read_json, read_study
 from ssmash_gym.evaluation.policies import Policy, make_baseline
 from ssmash_gym.evaluation.study import StudyConfig, load_study
 from ssmash_gym.evaluation.study_entrants import Entrant, agent_entrants
+from ssmash_gym.evaluation.study_rows import STUDY
 from ssmash_gym.files import write_text
 
 PANELS: Final = 4  # of the film in a report
@@ -59,8 +61,7 @@ def film(
     if name not in known:
         raise ConfigurationError(f"--condition {name!r} is refused: the study has {', '.join(known)}.")
     chosen = known[name]
-    scripted = [one.strip() for one in policies.split(",") if one.strip()]
-    drivers = cast_of(agent_entrants(agent) if agent else [], scripted, chosen.task)
+    drivers = cast_of(agent_entrants(agent) if agent else [], listed(policies), chosen.task)
     metrics = film_side_by_side(drivers, chosen.scenario, sea, out, helicopter=chosen.helicopter, speed=speed)
     for driver, found in metrics.items():
         print(f"{driver}: {found['reason']} after {found['time_s']:.1f} s, peak {found['peak_probe_kN']:.1f} kN")

@@ -19,12 +19,10 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.page_style import Style, styles
 from ssmash_gym.evaluation.statistics import Estimate
 from ssmash_gym.evaluation.study import StudyConfig, load_study
-from ssmash_gym.evaluation.study_rows import ROWS, StudyRows, read_rows
+from ssmash_gym.evaluation.study_rows import ROWS, STUDY, SUMMARY, StudyRows, read_rows
 
 Array = NDArray[np.float64]
 
-STUDY: Final = "study.json"
-SUMMARY: Final = "summary.json"
 FILM: Final = "film.mp4"
 STILL: Final = "film.jpg"
 CREDITS: Final = "film.json"

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import ssmash_gym
 from ssmash_gym.assets import asset_path
+from ssmash_gym.document import listed
 from ssmash_gym.envs.task import PERCEIVED, TaskConfig
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
@@ -78,7 +79,7 @@ def agent_entrants(words: Sequence[str]) -> list[Entrant]:
         called, given, folders = word.partition("=")
         if not given or Path(word).exists():
             called, folders = "", word
-        names = [folders] if Path(folders).exists() else [one.strip() for one in folders.split(",") if one.strip()]
+        names = [folders] if Path(folders).exists() else listed(folders)
         found += [_agent(agent_folder(name), called) for name in names]
     taken: set[tuple[str, int | None]] = set()
     for one in found:

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import whole_file
 
+STUDY: Final = "study.json"  # of a study's folder: what was asked for
+SUMMARY: Final = "summary.json"  # and its figures
 ROWS: Final = "rows"
 KEYS: Final = ("policy", "training_seed", "condition", "sea", "configuration", "code")
 OF_A_SEA: Final = ("sea_lateral_g", "sea_hs_m", "sea_heading_deg", "sea_speed_kn")

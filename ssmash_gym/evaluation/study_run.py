@@ -17,11 +17,10 @@ from ssmash_gym.evaluation.conditions import Condition, digest
 from ssmash_gym.evaluation.episodes import run_episodes, share_of
 from ssmash_gym.evaluation.study import StudyConfig
 from ssmash_gym.evaluation.study_entrants import PLANNER, Entrant, agent_entrants, code, scripted_entrant
-from ssmash_gym.evaluation.study_rows import Key, labelled, read_rows, write_rows
+from ssmash_gym.evaluation.study_rows import STUDY, Key, labelled, read_rows, write_rows
 from ssmash_gym.files import write_text
 from ssmash_gym.progress import Advance, progress_bar
 
-STUDY: Final = "study.json"
 PLANNING: Final = 40.0  # a planner's control interval costs so many scripted ones; only the bar goes by it
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +20,11 @@ from ssmash_gym.evaluation.study_figures import (
     pair_figures,
     policy_figures,
 )
-from ssmash_gym.evaluation.study_rows import StudyRows, read_rows
+from ssmash_gym.evaluation.study_rows import STUDY, SUMMARY, StudyRows, read_rows
 from ssmash_gym.evaluation.targets import REQUIRED_SUCCESS, checked
 from ssmash_gym.files import write_text
 from ssmash_gym.progress import progress_bar
 from ssmash_gym.sections import validated
-
-SUMMARY: Final = "summary.json"
 
 
 class Comparison:
@@ -166,8 +164,8 @@ def summarise(out: Path, *, shown: bool = True) -> dict[str, Any]:
     Raises:
         ConfigurationError: There are no rows, or they do not belong together.
     """
-    record = json.loads((out / "study.json").read_text(encoding="utf-8"))
-    study = validated(StudyConfig, record["resolved"], f"{out / 'study.json'}")
+    record = json.loads((out / STUDY).read_text(encoding="utf-8"))
+    study = validated(StudyConfig, record["resolved"], f"{out / STUDY}")
     frame = read_rows(out)
     if not frame.height:
         raise ConfigurationError(f"{out}: no row has been written there.")

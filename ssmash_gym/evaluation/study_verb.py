@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from ssmash_gym.document import listed
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.figure_text import number
 from ssmash_gym.evaluation.study import StudyConfig, load_study
@@ -33,7 +34,7 @@ def chosen_study(
         ConfigurationError: A name is unknown, or a value is refused.
     """
     found = load_study(study)
-    narrowed = found.narrowed(listed(against), listed(conditions), episodes)
+    narrowed = found.narrowed(names_in(against), names_in(conditions), episodes)
     return found, Path(study).stem if study.endswith((".yaml", ".yml")) else study, narrowed
 
 
@@ -140,7 +141,7 @@ def _cell(figure: Mapping[str, Any], factor: float = 1.0, digits: int = 1, bare:
     return number(figure, digits, factor=factor, short=bare).replace("[", "\\[")  # no markup
 
 
-def listed(words: str | None) -> tuple[str, ...] | None:
+def names_in(words: str | None) -> tuple[str, ...] | None:
     """Names with commas between them; None stays None.
 
     Raises:
@@ -148,7 +149,7 @@ def listed(words: str | None) -> tuple[str, ...] | None:
     """
     if words is None:
         return None
-    found = tuple(dict.fromkeys(name.strip() for name in words.split(",") if name.strip()))
+    found = tuple(listed(words))
     if not found:
         raise ConfigurationError(f"{words!r} is refused: give names with commas between them.")
     return found

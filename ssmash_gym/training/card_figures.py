@@ -13,11 +13,9 @@ import polars as pl
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.statistics import median, p95
 from ssmash_gym.evaluation.study_entrants import agent_entrants
-from ssmash_gym.evaluation.study_rows import read_rows
+from ssmash_gym.evaluation.study_rows import STUDY, SUMMARY, read_rows
 from ssmash_gym.evaluation.summary import bands, numbers
 
-STUDY: Final = "study.json"
-SUMMARY: Final = "summary.json"
 SHARED: Final = ("study", "seed", "versions", "configuration", "level", "resamples")  # of the summary
 
 

@@ -22,8 +22,7 @@ from ssmash_gym.evaluation.study_figures import (
     pair_figures,
     policy_figures,
 )
-from ssmash_gym.evaluation.study_rows import StudyRows
-from ssmash_gym.evaluation.study_run import STUDY
+from ssmash_gym.evaluation.study_rows import STUDY, StudyRows
 from ssmash_gym.evaluation.study_summary import best_law, summarise
 from ssmash_gym.evaluation.targets import HOLDS, HOLDS_NOT, NO_DATA, WITHIN, sentences
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import tyro
 
+from ssmash_gym.document import listed
 from ssmash_gym.errors import ConfigurationError, require
 from ssmash_gym.progress import progress_bar
 
@@ -87,7 +88,7 @@ def system_list(words: str) -> tuple[str, ...]:
         return ()
     from ssmash_gym.systems import load_system, system_names
 
-    names = system_names() if words.lower() == EVERY else [word.strip() for word in words.split(",") if word.strip()]
+    names = system_names() if words.lower() == EVERY else listed(words)
     return tuple(load_system(one).name for one in names)
 
 
