@@ -188,7 +188,7 @@ def _figures(record: Mapping[str, Any], figures: Figures | None) -> Iterator[str
     yield from by_training_seed(figures.policy, figures.training_seed, main)
     yield from prose(
         f"This training seed alone, in all conditions that it was run in, beside `{figures.roles['book']}` and the",
-        "best tuned law of the condition:",
+        "best law of the condition (docs/guide/baselines.md says in what its gains were searched):",
     )
     yield ""
     yield from by_condition(figures.conditions, figures.roles)
