@@ -16,9 +16,10 @@ import pickle
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -238,11 +239,13 @@ def evolve(
             return None
         begun = time.perf_counter()
         state.search.reseed_rng(generation_seed(agent.training.seed, state.generation))  # a pickle holds no generator
-        drawn = [state.search.ask() for _ in range(section.population)]
+        with _one_thread():
+            drawn = [state.search.ask() for _ in range(section.population)]
         candidates = [with_numbers(agent.network, row) for row in drawn]
         arena = arenas.of_generation(state.generation)
         verdicts = [arenas.verdict(episodes) for episodes in arena.episodes(candidates)]
-        state.search.tell([(row, v.score_kN) for row, v in zip(drawn, verdicts, strict=True)])
+        with _one_thread():
+            state.search.tell([(row, v.score_kN) for row, v in zip(drawn, verdicts, strict=True)])
         state.generation += 1
         state.wall_s += time.perf_counter() - begun
         best = min(verdicts, key=lambda v: v.score_kN)
@@ -342,7 +345,15 @@ def require_evolution() -> None:
     Raises:
         ImportError: It is missing; the sentence names the extra.
     """
-    require("cmaes", 'evolution needs cmaes, which is not installed: pip install "ssmash_gym[train]".')
+    for library in ("cmaes", "threadpoolctl"):
+        require(library, f'evolution needs {library}, which is not installed: pip install "ssmash_gym[train]".')
+
+
+def _one_thread() -> AbstractContextManager[Any]:
+    """Linear algebra on one thread: the last bits of an eigenvalue depend on how many share the work."""
+    from threadpoolctl import threadpool_limits
+
+    return cast("AbstractContextManager[Any]", threadpool_limits(1, user_api="blas"))
 
 
 def _begun(arenas: Arenas) -> Progress:

@@ -256,3 +256,12 @@ def test_a_run_that_is_stopped_between_gradient_and_end_is_resumed_to_the_same_a
 def test_seeds_of_the_purposes_never_meet() -> None:
     blocks = [set(block(0, purpose, 500)) for purpose in (TRAINING, EVALUATION, TUNING, EVOLUTION)]
     assert len(set.union(*blocks)) == 2000
+
+
+def test_the_linear_algebra_runs_on_one_thread_whatever_is_allowed() -> None:
+    """On two threads an eigenvalue of 130 numbers has other last bits, and the third generation other candidates."""
+    from threadpoolctl import threadpool_info, threadpool_limits
+
+    with threadpool_limits(2, user_api="blas"), evolution._one_thread():
+        threads = [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+    assert threads and set(threads) == {1}
