@@ -198,5 +198,5 @@ def join(node: Any, marks: Mapping[str, Any], path: str = "") -> Any:
 
 
 def listed(words: str) -> list[str]:
-    """Names with commas between them, each once, in order; empty ones are left out."""
-    return list(dict.fromkeys(name.strip() for name in words.split(",") if name.strip()))
+    """Names with commas between them, in order; empty ones are left out."""
+    return [name.strip() for name in words.split(",") if name.strip()]

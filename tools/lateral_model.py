@@ -16,7 +16,6 @@ fifty times faster than the simulation and close enough to it to search gains on
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
@@ -110,11 +109,11 @@ class Shaker(Trapezoid):
         return np.asarray((speed + self.shake_m_s * self._shaken) * self.task.control_interval_s)
 
 
-def record(delay_s: float, episodes: int, threads: int = 1, start: Mapping[str, Any] | None = None) -> Recording:
-    """Drive excited episodes of sea state 5 with exact sensors; `start` changes the scenario's landing."""
+def record(delay_s: float, episodes: int, threads: int = 1) -> Recording:
+    """Drive excited episodes of sea state 5 with exact sensors."""
     task = load_task({"substep_s": SUBSTEP_S, "claw": {"delay_s": delay_s}})
     exact = {"sensors": {"noise": 0.0, "delay_s": 0.0}, "claw": {"ripple_along_m": 0.0, "ripple_across_m": 0.0}}
-    scenario = load_scenario({"base": "ss5", **exact, **({"start": dict(start)} if start else {})})
+    scenario = load_scenario({"base": "ss5", **exact})
     core = TraverseBatch(episodes, task=task, scenario=scenario, threads=threads)
     observations = core.reset(seeds=block(MODEL_SEEDS, TUNING, episodes))
     places = [core.observer.names.index(name) for name in STATE]

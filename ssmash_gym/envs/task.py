@@ -230,3 +230,8 @@ def load_task(task: str | Path | Mapping[str, Any] | TaskConfig = "traverse") ->
         ConfigurationError: Unknown name or key, or a value that is not allowed; one sentence.
     """
     return load(TaskConfig, "tasks", task, "traverse")
+
+
+def observed_as(task: TaskConfig, other: TaskConfig) -> TaskConfig:
+    """The task, observed as the other one is."""
+    return task.model_copy(update={key: getattr(other, key) for key in OBSERVED})

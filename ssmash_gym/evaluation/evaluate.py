@@ -18,7 +18,7 @@ import ssmash_gym
 from ssmash_gym.document import listed
 from ssmash_gym.envs.loading import names
 from ssmash_gym.envs.scenario import ScenarioConfig, load_scenario
-from ssmash_gym.envs.task import OBSERVED, OF_AN_AGENT, TaskConfig, load_task
+from ssmash_gym.envs.task import OF_AN_AGENT, load_task, observed_as
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.episodes import run_episodes, share_of
 from ssmash_gym.evaluation.film import film_episode, require_rendering
@@ -86,10 +86,9 @@ def evaluate(
         ImportError: A library is missing; the sentence names the extra.
     """
     agents = (agent,) if isinstance(agent, str) else tuple(agent or ())
-    if episodes is not None and episodes < 1:
-        raise ConfigurationError(f"--episodes {episodes} is refused: at least 1.")
-    if threads is not None and threads < 1:
-        raise ConfigurationError(f"--threads {threads} is refused: at least 1.")
+    for option, given in (("--episodes", episodes), ("--threads", threads)):
+        if given is not None and given < 1:
+            raise ConfigurationError(f"{option} {given} is refused: at least 1.")
     if seed is not None and seed < 0:
         raise ConfigurationError(f"--seed {seed} is refused: it must not be negative.")
     if study is not None:
@@ -104,8 +103,6 @@ def evaluate(
         learned = () if one is None or one in baselines() else agents
         evaluate_study(of_words, "comparison", learned, out, threads=threads, report=report, film=film)
         return
-    if (out / STUDY).is_file():
-        raise ConfigurationError(f"--out {out} is refused: a study lies there, whose summary would be replaced.")
     compare(one, others, count, number, out, scenario, task, threads, plots, film)
 
 
@@ -175,6 +172,8 @@ def compare(
         ConfigurationError: A name, a file or a number is refused; nothing has been written.
         ImportError: A library is missing; the sentence names the extra.
     """
+    if (out / STUDY).is_file():
+        raise ConfigurationError(f"--out {out} is refused: a study lies there, whose summary would be replaced.")
     if plots:
         require_matplotlib()
     if film and agent is not None:
@@ -206,11 +205,11 @@ def chosen(
     Raises:
         ConfigurationError: A name or file is refused.
     """
-    others = listed(against)
+    others = list(dict.fromkeys(listed(against)))
     scripted = agent is None or agent in baselines()
     learned = None if scripted else find_agent(str(agent))
     base = load_task("traverse") if learned is None else learned.task
-    common = base if task is None else with_observation(load_task(str(task)), base)
+    common = base if task is None else observed_as(load_task(str(task)), base)
     policies: list[Policy] = []
     if learned is not None:
         policies.append(learned.within(common))
@@ -230,11 +229,6 @@ def scenario_name(agent: Agent) -> str:
     """Name of the scenario that an agent was trained in: the package's, if it is one of those."""
     same = (name for name in names("scenarios") if load_scenario(name) == agent.scenario)
     return next(same, f"of {agent.name}")
-
-
-def with_observation(task: TaskConfig, other: TaskConfig) -> TaskConfig:
-    """The task, observed as in another one."""
-    return task.model_copy(update={key: getattr(other, key) for key in OBSERVED})
 
 
 def run_all(

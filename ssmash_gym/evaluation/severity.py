@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Sequence
 from typing import Final
@@ -32,17 +33,17 @@ def band_means(
         policies: Names.
 
     Returns:
-        By policy an estimate a band, None where there are fewer than `FEWEST` seas; and the seas of each band.
+        By policy an estimate a band, None where there are fewer than `FEWEST` seas, or where none of its training seeds
+        has met all conditions; and the seas of each band.
     """
-    seas = {one: rows.seas(one, *policies) for one in conditions}
-    common = np.array(sorted(set.intersection(*(set(map(int, one)) for one in seas.values()))), dtype=np.int64)
+    common = functools.reduce(np.intersect1d, [rows.seas(one, *policies) for one in conditions])
     severity = np.array([rows.table(one, policies[0], "sea_lateral_g", common)[0] for one in conditions])
     inside = [(severity >= low) & (severity < high) for low, high in BANDS]  # (conditions, seeds) each
     counts = [int(one.sum()) for one in inside]
     found: dict[str, list[Estimate | None]] = {}
     for policy in policies:
         peaks = _peaks(rows, conditions, policy, common)
-        found[policy] = [_mean(peaks, one) if one.sum() >= FEWEST else None for one in inside]
+        found[policy] = [_mean(peaks, one) if len(peaks) and one.sum() >= FEWEST else None for one in inside]
     return found, counts
 
 

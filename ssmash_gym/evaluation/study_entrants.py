@@ -13,7 +13,7 @@ from typing import Any, Final
 import ssmash_gym
 from ssmash_gym.assets import asset_path
 from ssmash_gym.document import listed
-from ssmash_gym.envs.task import PERCEIVED, TaskConfig
+from ssmash_gym.envs.task import PERCEIVED, TaskConfig, observed_as
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
 from ssmash_gym.evaluation.policies import Policy, agent_folder, baselines, make_baseline
@@ -106,8 +106,7 @@ def _agent(folder: Path, called: str) -> Entrant:
 
 def _within(agent: Agent, task: TaskConfig) -> Policy:
     """The agent in a task that it perceives in its own way."""
-    own = {key: getattr(agent.task, key) for key in PERCEIVED}
-    return agent.within(task.model_copy(update=own))
+    return agent.within(observed_as(task, agent.task))
 
 
 def _made_of(kind: str) -> list[str]:

@@ -149,7 +149,7 @@ def names_in(words: str | None) -> tuple[str, ...] | None:
     """
     if words is None:
         return None
-    found = tuple(listed(words))
+    found = tuple(dict.fromkeys(listed(words)))
     if not found:
         raise ConfigurationError(f"{words!r} is refused: give names with commas between them.")
     return found

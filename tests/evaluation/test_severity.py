@@ -41,3 +41,5 @@ def test_training_seeds_that_miss_a_sea_state_are_left_out() -> None:
     inside = sum(BANDS[0]) / 2.0
     found, _ = band_means(rows({"ss3": inside, "ss4": inside}, {"ss3": [0, 1], "ss4": [1]}), ["ss3", "ss4"], ["mine"])
     assert found["mine"][0] is not None and found["mine"][0].value == pytest.approx(LOAD.mean())
+    nowhere, _ = band_means(rows({"ss3": inside, "ss4": inside}, {"ss3": [0], "ss4": [1]}), ["ss3", "ss4"], ["mine"])
+    assert nowhere["mine"][0] is None

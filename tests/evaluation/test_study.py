@@ -135,6 +135,8 @@ def test_several_training_seeds_of_one_agent_share_a_name(tmp_path: Path) -> Non
     assert len({one.identity for one in found}) == 2  # the first two have the same weights
     with pytest.raises(ConfigurationError, match="mine of training seed 1 is named twice"):
         agent_entrants([f"mine={folders[1]}", f"mine={folders[1]}"])
+    with pytest.raises(ConfigurationError, match="mine of training seed 1 is named twice"):
+        agent_entrants([f"mine={folders[1]},{folders[1]}"])
 
 
 def test_who_is_not_there_is_told() -> None:
