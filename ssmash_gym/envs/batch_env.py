@@ -23,14 +23,15 @@ from ssmash_gym.envs.guides import Guide
 from ssmash_gym.envs.nursery import Nursery, move_on
 from ssmash_gym.envs.observations import Observer
 from ssmash_gym.envs.reading import Reading, columns_of, half_spread
-from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards
+from ssmash_gym.envs.rewards import Outcome, alignment_potential, progress_potential, rewards, total
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, changed_scenario, load_scenario
 from ssmash_gym.envs.sensors import Instruments
-from ssmash_gym.envs.starts import Starter
+from ssmash_gym.envs.starts import Starter, check_room
 from ssmash_gym.envs.step import BatchSnapshot, StepResult
 from ssmash_gym.envs.task import Reward, TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.sections import validated
+from ssmash_gym.simulation.batch import Batch
 from ssmash_gym.simulation.telemetry import Telemetry
 from ssmash_gym.vehicle import Helicopter
 
@@ -54,10 +55,13 @@ class TraverseBatch:
         threads: Workers of a call; None takes as many as are useful. Results do not depend on it.
         dump_dir: Folder for the state of a diverged helicopter; None writes nothing.
         max_episode_steps: Truncates earlier than the task's horizon, as Gymnasium's TimeLimit does.
+        beside: Another one of the same simulation, for another policy: both drive the same helicopters, one after the
+            other (`begin` with `started`). Only what is observed may differ.
 
     Attributes:
         batch: The `simulation.Batch` underneath; generators: one a column; draws: of the running episodes.
         last: The last observation of each, (n, size) float32.
+        reading: What the terms of reward, limits and observation have read of the last interval.
 
     Raises:
         ConfigurationError: A configuration is refused; one sentence.
@@ -74,6 +78,7 @@ class TraverseBatch:
         threads: int | None = None,
         dump_dir: str | Path | None = None,
         max_episode_steps: int | None = None,
+        beside: TraverseBatch | None = None,
     ) -> None:
         self.n = n
         self.task = load_task(task)
@@ -82,7 +87,10 @@ class TraverseBatch:
         self.scenario = load_scenario(scenario)
         self.starter = Starter(as_helicopter(helicopter), self.task, self.scenario)
         self.threads = threads or max(1, min(available_threads(), -(-n // lane_width(n))))
-        self.batch = self.starter.batch(n, self.threads)
+        self.batch: Batch = self.starter.batch(n, self.threads) if beside is None else beside.batch
+        if beside is not None:
+            self.starter.decks = beside.starter.decks
+        self.reading: Reading | None = None
         self.observer = Observer(self.task)
         self.sensors = Instruments(n, self.observer, self.starter)
         self.last: NDArray[np.float32] = np.zeros((n, self.observer.size), np.float32)
@@ -138,6 +146,28 @@ class TraverseBatch:
         except ConfigurationError:
             self.generators = before
             raise
+        return self._first(chosen)
+
+    def begin(self, draws: Sequence[EpisodeDraw], *, started: bool = False) -> NDArray[np.float32]:
+        """Start ready-made episodes in the first columns, one a draw; returns their first observations, (m, size).
+
+        Nothing is checked: the draws must come from a scenario with no longer delays and no more noise than this one's.
+        A column whose episodes begin so has no generator and cannot be reset without a seed.
+
+        Args:
+            draws: The episodes, at most n.
+            started: The helicopters stand at the start of these very episodes already (`simulation.snapshot.rewind`).
+        """
+        chosen = np.arange(len(draws))
+        if not started:
+            self.starter.start(self.batch, chosen, draws)
+        for k, draw in enumerate(draws):
+            self._nursery.forget(k)
+            self.generators[k], self.draws[k] = None, draw
+        return self._first(chosen)
+
+    def _first(self, chosen: Columns) -> NDArray[np.float32]:
+        """Open the book of episodes whose helicopters stand at their start; returns the first observations."""
         self.book.begin(chosen)
         self._bound[chosen, 1] = [self._drive_share(int(k)) for k in chosen]
         if self._guide is not None:
@@ -199,6 +229,7 @@ class TraverseBatch:
         self.book.steps[chosen] += 1
         telemetry, bad = columns_of(self.batch.telemetry, chosen)
         reading = self._reading(chosen, telemetry, bad | self.batch.diverged[chosen], previous)
+        self.reading = reading
         self.book.held[chosen] = reading.held
         self.book.note(chosen, reading, saturation)
         return self._judged(chosen, reading, saturation)
@@ -249,8 +280,8 @@ class TraverseBatch:
         gained = progress - book.progress[columns], alignment - book.alignment[columns]
         terms = rewards(reading, Outcome(*gained, success=reasons == goal, failure=reasons < goal))
         book.progress[columns], book.alignment[columns] = progress, alignment
-        reward = _sum(terms, columns.size)
-        cost = _sum(costs, columns.size)
+        reward = total(terms, columns.size)
+        cost = total(costs, columns.size)
         book.returned[columns] += reward
         book.cost[columns] += cost
         book.over[columns] = terminated | truncated
@@ -307,25 +338,12 @@ class TraverseBatch:
         if scenario is not None:
             changed = changed_scenario(self.scenario, scenario)
             starter = Starter(self.starter.helicopter, task, changed)
-            self._check_room(starter)
+            room = self.batch.longest_delay_s, self.sensors.longest_delay_s, self.sensors.noisy
+            check_room(changed, *room)
             self.scenario, self.starter = changed, starter
             self.sensors.serve(starter)
             self._nursery = Nursery(starter, self.n, self.threads)
         self.task = task
-
-    def _check_room(self, starter: Starter) -> None:
-        """Refuse a scenario whose delays or noise this batch has no memory for."""
-        scenario = starter.scenario
-        for key, most in (
-            ("claw.delay_s", self.batch.longest_delay_s),
-            ("sensors.delay_s", self.sensors.longest_delay_s),
-            ("sensors.noise", float("inf") if self.sensors.noisy else 0.0),
-        ):
-            found = scenario.bounds(key)
-            if found is not None and found[1] > most + 1e-9:
-                raise ConfigurationError(
-                    f"scenario: {key} up to {found[1]:g} is refused as a change: the batch was made for {most:g}."
-                )
 
     # --- copies ------------------------------------------------------------------------------------------------
 
@@ -371,11 +389,3 @@ class TraverseBatch:
         if self._guide is not None and other._guide is not None:
             other._guide.restore(self._guide.snapshot(), copies)
         return other
-
-
-def _sum(terms: Mapping[str, Array], n: int) -> Array:
-    """Sum of named terms, in their order."""
-    total = np.zeros(n)
-    for values in terms.values():
-        total = total + values
-    return total

@@ -31,6 +31,8 @@ class SeaFigures:
     Attributes:
         lateral_g: RMS of the deck's lateral specific force (what tires and probe feel) [g].
         roll_deg: RMS of the roll about its mean [deg].
+        pitch_deg: RMS of the pitch about its mean [deg].
+        vertical_velocity_m_s: RMS of the vertical velocity of the deck's origin [m/s].
         hs_m: Significant wave height [m]; this and the next two are None where the deck moves without a sea.
         heading_deg: Where the waves travel relative to the ship: 0 with it, 90 to starboard, 180 against it [deg].
         speed_kn: Speed of the ship [kn].
@@ -39,6 +41,8 @@ class SeaFigures:
 
     lateral_g: float
     roll_deg: float
+    pitch_deg: float
+    vertical_velocity_m_s: float
     hs_m: float | None
     heading_deg: float | None
     speed_kn: float | None
@@ -49,6 +53,8 @@ class SeaFigures:
         return {
             "sea_lateral_g": self.lateral_g,
             "sea_roll_deg": self.roll_deg,
+            "sea_pitch_deg": self.pitch_deg,
+            "sea_vertical_velocity_m_s": self.vertical_velocity_m_s,
             "sea_hs_m": self.hs_m,
             "sea_heading_deg": self.heading_deg,
             "sea_speed_kn": self.speed_kn,
@@ -140,6 +146,8 @@ class Decks:
         self._figures[key] = SeaFigures(
             lateral_g=float(found.lateral_specific_force_g),
             roll_deg=float(found.roll_deg),
+            pitch_deg=float(found.pitch_deg),
+            vertical_velocity_m_s=float(found.vertical_velocity_m_s),
             hs_m=float(source.sea().hs_m) if isinstance(source, Seaway) else None,
             heading_deg=source.heading_deg if isinstance(source, Seaway) else None,
             speed_kn=source.speed_kn if isinstance(source, Seaway) else None,

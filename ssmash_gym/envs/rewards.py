@@ -107,3 +107,11 @@ def rewards(r: Reading, o: Outcome) -> dict[str, Array]:
             if name != "failure":
                 terms[name] = np.where(r.broken, 0.0, terms[name])
     return terms
+
+
+def total(terms: Mapping[str, Array], n: int) -> Array:
+    """Sum of named terms, in their order, (n,)."""
+    found = np.zeros(n)
+    for values in terms.values():
+        found = found + values
+    return found

@@ -36,6 +36,9 @@ class Start(_Section):
 
     yaw_deg: Annotated[Range, within(-90.0, 90.0)] = Field(_ZERO, description="heading relative to the track [deg]")
     lateral_m: Range = Field(_ZERO, description="probe and claw from the centre line, starboard positive [m]")
+    sink_rate_m_s: Annotated[Range, within(0.0, 10.0)] | None = Field(
+        None, description="it is only just being set down, with the probe free: vertical speed at first contact [m/s]"
+    )
 
 
 class Helicopter(_Section):
@@ -142,6 +145,7 @@ class EpisodeDraw:
 
     start_yaw_deg: float
     start_lateral_m: float
+    start_sink_rate_m_s: float | None
     wind_speed_mps: float
     wind_from_deg: float
     wind_ship_speed_mps: float
@@ -260,12 +264,18 @@ _PLACES: Final = (
     *motions.LATER,
     "claw.y_travel_m",
     "claw.speed_across_m_s",
+    "start.sink_rate_m_s",
 )
 _DRAWN: Final = tuple(name for name in _PLACES if name.split(".")[0] not in ("motion", "wind"))
 _WIND: Final = tuple(field.replace("_", ".", 1) for field in WIND)
 _MAY_BE_NONE: Final = (
-    "claw_delay_s", "claw_ripple_along_m", "claw_ripple_across_m", "claw_y_travel_m", "claw_speed_across_m_s",
-)  # fmt: skip
+    "start_sink_rate_m_s",
+    "claw_delay_s",
+    "claw_ripple_along_m",
+    "claw_ripple_across_m",
+    "claw_y_travel_m",
+    "claw_speed_across_m_s",
+)
 _SECTIONS: Final[dict[str, type[BaseModel]]] = {
     "start": Start, "wind": FreeWind, "helicopter": Helicopter, "claw": Claw, "sensors": Sensors,
 }  # fmt: skip

@@ -16,6 +16,7 @@ from ssmash_gym.dynamics.layout import SPEEDS, STATION_ROWS, STATIONS, TIRE_PAR,
 from ssmash_gym.envs.decks import Decks
 from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig, check_draw
 from ssmash_gym.envs.task import TaskConfig
+from ssmash_gym.envs.touchdown import set_down
 from ssmash_gym.errors import ConfigurationError, refusal, shown
 from ssmash_gym.ship import Motion, MotionTable
 from ssmash_gym.ship.wind import blows_towards, wind_over_deck
@@ -303,7 +304,8 @@ class Starter:
         """Bring the listed columns of a batch to the start of the task's time.
 
         The helicopter is settled on the deck as it first stands, the claw goes to its probe and is held through the
-        lead-in while the motion is ramped in. On a level deck a long lead-in settles what the draw has changed.
+        lead-in while the motion is ramped in. On a level deck a long lead-in settles what the draw has changed. With a
+        sink rate, the helicopter is then taken up again and set down (`touchdown.set_down`).
 
         Raises:
             ConfigurationError: A draw is refused by its table; the batch is as it was.
@@ -326,3 +328,28 @@ class Starter:
             batch.place(np.full(some.size, self.task.track.start_x_m), lateral, yaw, some)
         if self.task.lead_in_steps:
             batch.advance(None, columns, intervals=self.task.lead_in_steps)
+        set_down(batch, columns, draws)
+
+
+def check_room(scenario: ScenarioConfig, longest_delay_s: float, longest_sensor_delay_s: float, noisy: bool) -> None:
+    """Refuse a scenario whose delays or noise an environment has no memory for.
+
+    Args:
+        scenario: What its later episodes are to be drawn from.
+        longest_delay_s: Of the claw's commands, that it was made for [s].
+        longest_sensor_delay_s: Of the sensors [s].
+        noisy: Whether its sensors can have noise.
+
+    Raises:
+        ConfigurationError: One of them reaches beyond.
+    """
+    for key, most in (
+        ("claw.delay_s", longest_delay_s),
+        ("sensors.delay_s", longest_sensor_delay_s),
+        ("sensors.noise", math.inf if noisy else 0.0),
+    ):
+        found = scenario.bounds(key)
+        if found is not None and found[1] > most + 1e-9:
+            raise ConfigurationError(
+                f"scenario: {key} up to {found[1]:g} is refused as a change: the batch was made for {most:g}."
+            )

@@ -7,10 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 import polars as pl
+from numpy.typing import NDArray
 
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.limits import LIMITS, failed
 from ssmash_gym.envs.scenario import ScenarioConfig
+from ssmash_gym.envs.step import StepResult
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.evaluation.policies import Policy
 from ssmash_gym.vehicle import Helicopter
@@ -50,6 +52,36 @@ def run_episodes(
     return pl.DataFrame(rows, schema_overrides=dict.fromkeys(OF_A_SEA, pl.Float64))
 
 
+def drive(
+    policy: Policy,
+    batch: TraverseBatch,
+    observations: NDArray[np.float32],
+    note: Callable[[StepResult], None] = lambda result: None,
+) -> dict[int, dict[str, Any]]:
+    """Drive episodes that have just begun in the first columns of a batch to their ends.
+
+    Args:
+        policy: What drives the claw.
+        batch: The episodes; `TraverseBatch.step` is called for those that still run.
+        observations: Their first ones, (m, size); overwritten.
+        note: Called after each control interval.
+
+    Returns:
+        The metrics of each episode, by column.
+    """
+    policy.reset(len(observations))
+    found: dict[int, dict[str, Any]] = {}
+    running = np.arange(len(observations))
+    while running.size:
+        actions = policy.act(observations)  # of all rows: a policy may remember each
+        result = batch.step(actions[running], running)
+        observations[running] = result.observation
+        found |= {k: ending["episode_metrics"] for k, ending in result.endings.items()}
+        note(result)
+        running = running[~(result.terminated | result.truncated)]
+    return found
+
+
 def share_of(most: int, tell: Callable[[float], None]) -> Callable[[int], None]:
     """A function that adds up control intervals and tells the share of `most` that they are."""
     taken = 0
@@ -75,19 +107,14 @@ def _run_batch(
     if attach is not None:
         attach(batch)
     observations = batch.reset(seeds=list(seeds))
-    policy.reset(len(seeds))
     exceeded = {name: np.zeros(len(seeds), dtype=np.int64) for name in LIMITS}
-    found: dict[int, dict[str, Any]] = {}
-    running = np.arange(len(seeds))
-    while running.size:
-        actions = policy.act(observations)  # of all rows: a policy may remember each
-        result = batch.step(actions[running], running)
-        observations[running] = result.observation
+
+    def note(result: StepResult) -> None:
         for name, costs in result.costs.items():
-            exceeded[name][running] += costs > 0.0
-        found |= {k: ending["episode_metrics"] for k, ending in result.endings.items()}
-        tell(int(running.size))
-        running = running[~(result.terminated | result.truncated)]
+            exceeded[name][result.columns] += costs > 0.0
+        tell(int(result.columns.size))
+
+    found = drive(policy, batch, observations, note)
     return [
         _row(seed, found[k], {name: int(count[k]) for name, count in exceeded.items()}, policy.task)
         for k, seed in enumerate(seeds)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -35,6 +37,7 @@ from ssmash_gym.ship.waves import SeaGrid, Waves, calibrated, draw_waves, sea_gr
 COMPONENTS: Final = 96
 FEWEST_COMPONENTS: Final = 24
 MOST_COMPONENTS: Final = 4096
+REMEMBERED: Final = 256  # ships on a course through a sea whose severity is kept: a sweep draws many seeds of each
 SEA_SHARE: Final = 0.2  # of the waves are drawn for the sea itself, the others for the ship's motions
 
 LARGEST_MISS: Final = 0.05  # of a variance, relative, of which the user is not told
@@ -94,44 +97,77 @@ def draw_seaway(
     Raises:
         ConfigurationError: A heading that is not finite, or what the ship's response refuses.
     """
-    point = ship.deck_point_m + np.asarray(deck_shift, dtype=np.float64)
-    mean_angles = np.array([heel, trim])
+    shift = tuple(np.asarray(deck_shift, dtype=np.float64).tolist())
+    way = _Way(ship, heading, speed_mps, heel, trim, roll_damping_factor, gm_factor, shift)
+    waves, response = _drawn(spectrum, spreading, way, components, rng)
+    return SeawayMotion(waves, response, way.point, way.mean_angles)
 
-    def respond(omega: FloatArray, direction: FloatArray, energy: FloatArray) -> tuple[Response, FloatArray]:
-        factors = {"roll_damping_factor": roll_damping_factor, "gm_factor": gm_factor}
-        response = ship.response.respond(omega, direction, np.sqrt(2.0 * energy), speed_mps, **factors)
-        deck = deck_transfer(response.omega_e, response.transfer, point, mean_angles)
+
+@dataclass(frozen=True)
+class _Way:
+    """A ship on its way through a sea: what `draw_seaway` is given but for the sea and the generator."""
+
+    ship: Ship
+    heading: float
+    speed_mps: float
+    heel: float
+    trim: float
+    roll_damping_factor: float
+    gm_factor: float
+    deck_shift: tuple[float, ...]
+
+    @property
+    def point(self) -> FloatArray:
+        """The deck point from G, S axes [m], (3,)."""
+        return np.asarray(self.ship.deck_point_m + np.array(self.deck_shift), dtype=np.float64)
+
+    @property
+    def mean_angles(self) -> FloatArray:
+        """Heel and trim [rad], (2,)."""
+        return np.array([self.heel, self.trim])
+
+    def respond(self, omega: FloatArray, direction: FloatArray, energy: FloatArray) -> tuple[Response, FloatArray]:
+        """Response and `severity_powers` of waves of given frequencies [rad/s], directions [rad], energies [m2]."""
+        factors = {"roll_damping_factor": self.roll_damping_factor, "gm_factor": self.gm_factor}
+        response = self.ship.response.respond(omega, direction, np.sqrt(2.0 * energy), self.speed_mps, **factors)
+        deck = deck_transfer(response.omega_e, response.transfer, self.point, self.mean_angles)
         return response, severity_powers(response.omega_e, deck)
 
-    waves, response = _drawn(sea_grid(spectrum, spreading), respond, heading, components, rng)
-    return SeawayMotion(waves, response, point, mean_angles)
 
+@functools.lru_cache(maxsize=REMEMBERED)
+def _severity(spectrum: Spectrum, spreading: Spreading, way: _Way) -> tuple[SeaGrid, FloatArray, FloatArray]:
+    """The sea's grid, what its severities sum up to, and where its waves are drawn: the same for every seed.
 
-def _drawn(
-    grid: SeaGrid,
-    respond: Callable[[FloatArray, FloatArray, FloatArray], tuple[Response, FloatArray]],
-    heading: float,
-    components: int,
-    rng: np.random.Generator,
-) -> tuple[Waves, Response]:
-    """Waves of a sea, and the response to them.
-
-    Args:
-        grid: The sea.
-        respond: Response and `severity_powers` of waves of given frequencies [rad/s], directions [rad], energies [m2].
-        heading: Main direction the waves travel to, relative to the ship's heading [rad].
-        components: Number of waves.
-        rng: Generator.
+    Returns:
+        Grid; totals of `severity_powers` (m,); importance of each cell, of the grid's shape.
     """
+    grid = sea_grid(spectrum, spreading)
     sea = grid.energy.ravel()
-    _, powers = respond(grid.omega.ravel(), heading + grid.angle.ravel(), sea)
+    _, powers = way.respond(grid.omega.ravel(), way.heading + grid.angle.ravel(), sea)
     contributions = sea[:, np.newaxis] * powers
     totals = np.sum(contributions, axis=0)
     used = totals > NOTHING * totals[0]  # a ship in long-crested head seas does not roll
     importance = _importance(contributions[:, used], totals[used], sea * grid.omega.ravel() ** 2)
-    waves = draw_waves(grid, importance.reshape(grid.energy.shape), heading, components, rng)
+    return grid, totals, importance.reshape(grid.energy.shape)
+
+
+def _drawn(
+    spectrum: Spectrum, spreading: Spreading, way: _Way, components: int, rng: np.random.Generator
+) -> tuple[Waves, Response]:
+    """Waves of a sea, and the response to them.
+
+    Args:
+        spectrum: Spectrum of the elevation.
+        spreading: Distribution of directions.
+        way: The ship in it.
+        components: Number of waves.
+        rng: Generator.
+    """
+    grid, totals, importance = _severity(spectrum, spreading, way)
+    used = totals > NOTHING * totals[0]
+    waves = draw_waves(grid, importance, way.heading, components, rng)
     drawn = 0.5 * waves.amplitude**2
-    response, powers = respond(waves.omega, waves.heading, drawn)
+    response, powers = way.respond(waves.omega, waves.heading, drawn)
     if used.any():
         drawn, missed = calibrated(drawn, powers[:, used], totals[used])
         if missed > LARGEST_MISS:

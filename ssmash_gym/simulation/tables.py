@@ -110,6 +110,7 @@ def listed(columns: ArrayLike) -> Columns:
     chosen = np.atleast_1d(np.asarray(columns))
     if chosen.dtype == np.bool_:
         return np.flatnonzero(chosen)
-    if np.unique(chosen).size < chosen.size:
+    rising = bool((chosen[1:] > chosen[:-1]).all())  # the usual case
+    if not rising and np.unique(chosen).size < chosen.size:
         raise ValueError(f"columns {chosen.tolist()}: a helicopter must not be listed twice")
     return chosen.astype(np.int64)

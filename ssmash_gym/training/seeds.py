@@ -14,6 +14,7 @@ TRAINING: Final = 1
 EVALUATION: Final = 2
 TUNING: Final = 3  # searches of gains and settings, choice between trained agents
 EVOLUTION: Final = 4  # seas in which evolving policies are compared
+WINDOWS: Final = 5  # seas of operating windows: a policy that was chosen by an evaluation meets new ones
 
 
 def block(seed: int, purpose: int, count: int) -> list[int]:
@@ -21,7 +22,7 @@ def block(seed: int, purpose: int, count: int) -> list[int]:
 
     Args:
         seed: The user's number.
-        purpose: `TRAINING`, `EVALUATION`, `TUNING` or `EVOLUTION`.
+        purpose: `TRAINING`, `EVALUATION`, `TUNING`, `EVOLUTION` or `WINDOWS`.
         count: How many.
     """
     numbers = np.random.SeedSequence(seed, spawn_key=(purpose,)).generate_state(2 * count, np.uint32)

@@ -101,6 +101,7 @@ TASK_CHANGES: dict[str, Change] = {
 SCENARIO_CHANGES: dict[str, Change] = {
     "start.yaw_deg": (0.5, {}),
     "start.lateral_m": (0.02, {}),
+    "start.sink_rate_m_s": (1.0, {}),
     "wind.speed_mps": (10.0, {}),
     "wind.from_deg": (90.0, {"wind.speed_mps": 10.0}),
     "wind.ship_speed_mps": (5.0, {}),

@@ -213,6 +213,8 @@ def test_the_severity_of_the_sea_is_among_the_metrics() -> None:
         assert found == {
             "sea_lateral_g": severity.lateral_specific_force_g,
             "sea_roll_deg": severity.roll_deg,
+            "sea_pitch_deg": severity.pitch_deg,
+            "sea_vertical_velocity_m_s": severity.vertical_velocity_m_s,
             **{f"sea_{key}": draw.motion[key] for key in ("hs_m", "heading_deg", "speed_kn")},
         }
         assert first[k]["within_validity"] is (motion.outside_validity is None)

@@ -1,0 +1,71 @@
+"""The dataset of a window on disk: one Parquet file a chunk, one row an episode, and what was asked for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import polars as pl
+
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.files import whole_file, write_text
+from ssmash_gym.windows.chunks import KEYS
+
+WINDOW: Final = "window.json"
+ROWS: Final = "rows"
+
+
+def write_rows(out: Path, name: str, rows: pl.DataFrame) -> None:
+    """Write one chunk, whole or not at all."""
+    with whole_file(out / ROWS / f"{name}.parquet") as temporary:
+        rows.write_parquet(temporary)
+
+
+def read_rows(out: Path, columns: Sequence[str] | None = None) -> pl.DataFrame:
+    """All rows of a window's folder in the order of stage, policy, cell and sea; none where nothing has been run.
+
+    Args:
+        out: The folder.
+        columns: Besides those of `KEYS`; all by default.
+
+    Raises:
+        ConfigurationError: A file holds no such rows, or an episode stands there twice.
+    """
+    frames = []
+    for path in sorted((out / ROWS).glob("*.parquet")):
+        try:
+            frame = pl.read_parquet(path, columns=None if columns is None else [*KEYS, *columns])
+        except (pl.exceptions.PolarsError, OSError) as error:
+            raise ConfigurationError(f"{path}: this file of rows cannot be read ({error}).") from None
+        missing = [name for name in KEYS if name not in frame.columns]
+        if missing:
+            raise ConfigurationError(f"{path}: this is no file of a window: the column {missing[0]} is missing.")
+        frames.append(frame)
+    if not frames:
+        return pl.DataFrame(schema={"stage": pl.String, "policy": pl.String, "cell": pl.Int64, "number": pl.Int64})
+    rows = pl.concat(frames, how="diagonal_relaxed").sort(*KEYS)
+    if rows.select(KEYS).is_duplicated().any():
+        raise ConfigurationError(f"{out / ROWS}: some episodes stand there twice: remove the folder and run it again.")
+    return rows
+
+
+def write_document(out: Path, document: dict[str, Any]) -> None:
+    """Write ``window.json``, whole or not at all."""
+    write_text(out / WINDOW, json.dumps(document, indent=1) + "\n")
+
+
+def read_document(out: Path) -> dict[str, Any]:
+    """The ``window.json`` of a folder; empty where there is none.
+
+    Raises:
+        ConfigurationError: It cannot be read.
+    """
+    path = out / WINDOW
+    if not path.is_file():
+        return {}
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, OSError) as error:
+        raise ConfigurationError(f"{path}: the window's record cannot be read ({error}).") from None

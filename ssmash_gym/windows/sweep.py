@@ -1,0 +1,243 @@
+"""Runs a window: what is done is kept, what is missing is run, what does not fit is refused."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+import ssmash_gym
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.evaluation.conditions import digest
+from ssmash_gym.evaluation.policies import baselines, planners
+from ssmash_gym.evaluation.study_entrants import Entrant, agent_entrants, code, scripted_entrant
+from ssmash_gym.progress import Advance, progress_bar
+from ssmash_gym.training.seeds import WINDOWS, block
+from ssmash_gym.windows.axes import AXES
+from ssmash_gym.windows.cells import Grid, Setting, settings
+from ssmash_gym.windows.chunks import Chunk, Job
+from ssmash_gym.windows.config import WindowConfig
+from ssmash_gym.windows.criteria import CRITERIA, columns_read
+from ssmash_gym.windows.engines import Engine
+from ssmash_gym.windows.plan import Tally, Who, chunks, fill, rounds
+from ssmash_gym.windows.rows import read_document, read_rows, write_document, write_rows
+from ssmash_gym.windows.sequential import UNDECIDED, bounds
+from ssmash_gym.windows.stages import STAGES
+
+SIZE: Final = 480  # seas of a chunk: what an interruption can cost, and what a worker holds at once
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A window ready to be run.
+
+    Attributes:
+        config: The window.
+        name: Of it, in ``window.json``.
+        job: What workers need.
+    """
+
+    config: WindowConfig
+    name: str
+    job: Job
+
+    @property
+    def identity(self) -> str:
+        """Hash of all that the plan and the rows depend on, whoever is at the claw and however far it goes."""
+        effort = self.config.effort
+        return digest(
+            [setting.configuration for setting in self.job.settings.values()],
+            {name: list(values) for name, values in self.config.axes.items()},
+            [self.config.seed, self.config.figures, self.config.must_arrive, self.config.acceptance],
+            [self.config.confidence, effort.seeds, effort.step],
+            ssmash_gym.__version__,
+        )
+
+
+def prepared(config: WindowConfig, name: str, policies: Sequence[str] = (), size: int = SIZE) -> Sweep:
+    """Resolve a window and try everything that it names; nothing is written.
+
+    Args:
+        config: The window.
+        name: Of it.
+        policies: At the claw: scripted ones by name, trained ones by name or folder (``NAME=FOLDER``); the window's own
+            by default.
+        size: Seas of a chunk.
+
+    Raises:
+        ConfigurationError: A name, a file, a cell or a value is refused, or a policy does not suit a stage.
+    """
+    found = settings(config)
+    entrants = {stage: _entrants(setting, policies or config.policies) for stage, setting in found.items()}
+    for stage, those in entrants.items():
+        for entrant in those.values():
+            entrant.make(found[stage].task)  # refused now rather than after an hour
+    seeds = tuple(block(config.seed, WINDOWS, max(config.effort.most, config.effort.seeds)))
+    grid = Grid(config.axes)
+    size = min(size, len(grid) * config.effort.seeds)
+    return Sweep(config, name, Job(grid, found, entrants, seeds, size))
+
+
+def _entrants(setting: Setting, policies: Sequence[str]) -> dict[str, Entrant]:
+    """The policies of a stage, by name.
+
+    Raises:
+        ConfigurationError: There is none of a name, or two have the same.
+    """
+    fixed = STAGES[setting.stage].policy
+    found: dict[str, Entrant] = {}
+    for word in policies if fixed is None else (fixed,):
+        plain = word.partition("@")[0]
+        scripted = plain in baselines() or plain in planners()
+        for entrant in [scripted_entrant(word, setting.task)] if scripted else agent_entrants([word]):
+            if entrant.name in found:
+                raise ConfigurationError(
+                    f"--policy: {entrant.name} is named twice: give different ones different names (NAME=FOLDER)."
+                )
+            found[entrant.name] = entrant
+    return found
+
+
+def run_sweep(sweep: Sweep, out: Path, engine: Engine, *, shown: bool = True) -> dict[Who, Tally]:
+    """Run what is missing in a window's folder, round by round.
+
+    Args:
+        sweep: The window.
+        out: Its folder: ``rows/*.parquet`` and ``window.json``. Rows that are there already are kept.
+        engine: What runs the episodes; rows do not depend on it, nor on how they are chunked.
+        shown: Whether a bar shows the progress.
+
+    Returns:
+        What has been run, by stage and policy.
+
+    Raises:
+        ConfigurationError: The folder holds rows of another configuration; nothing has been written.
+        KeyboardInterrupt: The same call goes on where this one was stopped.
+    """
+    config, job = sweep.config, sweep.job
+    present, earlier = read_rows(out, columns_read(config.figures)), read_document(out)
+    _refuse_mixing(sweep, earlier, out)
+    write_document(out, document(sweep, earlier))
+    tallies = {
+        (stage, policy): Tally.blank(len(job.grid), len(job.seeds))
+        for stage in job.settings
+        for policy in job.entrants[stage]
+    }
+    if present.height:
+        fill(tallies, config, present)
+    with progress_bar("episodes", shown=shown) as advance:
+        while missing := chunks(rounds(config, tallies), tallies, job.size):
+            clock = _Clock(advance, sweep, missing, tallies)
+            for chunk, rows in engine.run(job, _spread(missing, engine.workers), clock.tell):
+                write_rows(out, chunk.name, rows)
+                fill(tallies, config, rows)
+    return tallies
+
+
+def _spread(missing: Sequence[Chunk], workers: int) -> list[Chunk]:
+    """The chunks, cut smaller where there are fewer than workers, so that all have work until the end."""
+    found = list(missing)
+    while found and len(found) < 2 * workers and max(len(chunk.cells) for chunk in found) > 64:
+        found = [half for chunk in found for half in _halves(chunk)]
+    return found
+
+
+def _halves(chunk: Chunk) -> list[Chunk]:
+    middle = len(chunk.cells) // 2
+    parts = [slice(0, middle), slice(middle, None)] if middle else [slice(0, None)]
+    return [replace(chunk, cells=chunk.cells[part], numbers=chunk.numbers[part]) for part in parts]
+
+
+class _Clock:
+    """Tells the bar how far a round is, and how fast."""
+
+    def __init__(self, advance: Advance, sweep: Sweep, missing: Sequence[Chunk], tallies: dict[Who, Tally]) -> None:
+        self._advance = advance
+        self._most = sum(chunk.episodes * sweep.job.settings[chunk.stage].task.horizon_steps for chunk in missing)
+        self._interval_s = {chunk.stage: sweep.job.settings[chunk.stage].task.control_interval_s for chunk in missing}
+        self._began, self._steps = time.monotonic(), 0
+        self._words = f"{sum(chunk.episodes for chunk in missing):,} episodes, {_open_cells(sweep.config, tallies)}"
+
+    def tell(self, steps: int) -> None:
+        """Add control intervals that have been simulated."""
+        self._steps += steps
+        passed = max(time.monotonic() - self._began, 1e-9)
+        speed = self._steps * max(self._interval_s.values()) / passed
+        self._advance(min(self._steps / max(self._most, 1), 1.0), f"{self._words}, {speed:,.0f} x real time")
+
+
+def _open_cells(config: WindowConfig, tallies: dict[Who, Tally]) -> str:
+    """How many cells are undecided, in words."""
+    left = 0
+    for tally in tallies.values():
+        counts = tally.done.sum(axis=1)
+        found = bounds(tally.hits(counts), counts, config.confidence).verdicts(config.acceptance)
+        left += int(np.sum(found == UNDECIDED))
+    return f"{left:,} cells open"
+
+
+def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
+    """The contents of ``window.json``: what was asked for, resolved; policies of earlier calls stay."""
+    config, job = sweep.config, sweep.job
+    policies = dict(earlier.get("policies", {}))
+    for stage, entrants in job.entrants.items():
+        for name, one in entrants.items():
+            known = dict(policies.get(name, {"kind": one.kind, "training_seed": one.training_seed, **one.about}))
+            known["identities"] = {**known.get("identities", {}), stage: one.identity}
+            policies[name] = known
+    return {
+        "name": sweep.name,
+        "description": config.description,
+        "configuration": sweep.identity,
+        "versions": {"ssmash_gym": ssmash_gym.__version__, "code": code()},
+        "seed": config.seed,
+        "stages": {stage: STAGES[stage].meaning for stage in job.settings},
+        "axes": {
+            name: {"label": AXES[name].label, "unit": AXES[name].unit, "values": list(values)}
+            for name, values in config.axes.items()
+        },
+        "limits": {
+            name: {
+                "value": limit.value, "note": limit.note, "label": CRITERIA[name].label, "unit": CRITERIA[name].unit,
+                "sense": CRITERIA[name].sense,
+            }
+            for name, limit in config.limits.items()
+        },
+        "must_arrive": config.must_arrive,
+        "acceptance": config.acceptance,
+        "confidence": config.confidence,
+        "policies": policies,
+        "helicopter": config.helicopter,
+        "resolved": config.model_dump(mode="json"),
+        "settings": {
+            stage: {
+                "task": one.task.model_dump(mode="json"),
+                "scenario": one.scenario.model_dump(mode="json"),
+                "helicopter": one.helicopter.model_dump(mode="json", exclude={"provenance"}),
+            }
+            for stage, one in job.settings.items()
+        },
+    }  # fmt: skip
+
+
+def _refuse_mixing(sweep: Sweep, earlier: dict[str, Any], out: Path) -> None:
+    """Refuse to add rows to those of another configuration.
+
+    Raises:
+        ConfigurationError: The folder's window, or a policy of a name, was another one.
+    """
+    advice = "rows of both must not be mixed: choose another --out, or remove that folder"
+    if earlier and earlier.get("configuration") != sweep.identity:
+        raise ConfigurationError(
+            f"{out}: the window there ({earlier.get('name')}, configuration {earlier.get('configuration')}) was "
+            f"another one than {sweep.name} ({sweep.identity}); {advice}."
+        )
+    for stage, entrants in sweep.job.entrants.items():
+        for name, one in entrants.items():
+            known = earlier.get("policies", {}).get(name, {}).get("identities", {}).get(stage, one.identity)
+            if known != one.identity:
+                raise ConfigurationError(f"{out}: the policy {name} was another one there; {advice}.")
