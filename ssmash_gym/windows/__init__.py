@@ -1,0 +1,1 @@
+"""Safe operating windows: in which seas, from which direction and at which speed the limits are kept."""
