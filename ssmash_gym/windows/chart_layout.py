@@ -24,6 +24,7 @@ FEWEST_SECTORS: Final = 3  # of a polar chart
 MOST_PANELS: Final = 24  # of a policy in one figure
 MOST_IN_LINE: Final = 6
 MIDDLE: Final = (0.45, 0.7)  # hole in the middle, and what the innermost ring is wider than others by: it holds sectors
+ALONE: Final = 0.0  # place along an axis that there is not
 NEEDED: Final = ("stage", "policy", "cell", "episodes", "share", "low", "high", "verdict", "limiting")
 
 
@@ -90,10 +91,11 @@ class Layout:
     def place(self, row: Mapping[str, Any]) -> Place | None:
         """Where a row of the table stands; None if its panel is left out or a coordinate is missing."""
         panels, across, along = self._index
-        if any(row[axis.name] is None for axis in (*self.others, self.across, self.along)):
+        values = [row[axis.name] if axis.name else ALONE for axis in (*self.others, self.across, self.along)]
+        if any(value is None for value in values):
             return None
-        panel = panels.get(tuple(_key(row[axis.name]) for axis in self.others))
-        return None if panel is None else (panel, across[_key(row[self.across.name])], along[_key(row[self.along.name])])
+        *panel, i, j = map(_key, values)
+        return (panels[tuple(panel)], across[i], along[j]) if tuple(panel) in panels else None
 
     def places(self, rows: Iterable[Row]) -> dict[Place, Row]:
         """Rows of one stage and policy by their place."""
@@ -104,7 +106,7 @@ class Layout:
         """First and last angle of each sector [deg], (k,), clockwise from ahead; they meet half way."""
         at = np.array(self.across.values)
         gaps = np.append(np.diff(at), at[0] + 360.0 - at[-1]) if at.size > 1 else np.array([360.0])
-        usual = min(float(np.median(gaps)), 45.0)
+        usual = min(float(np.median(gaps)), 90.0)
         half = 0.5 * np.where(gaps > 1.5 * usual, usual, gaps)
         return at - np.roll(half, 1), at + half
 
@@ -169,9 +171,9 @@ def layout_of(cells: pl.DataFrame, document: Mapping[str, Any]) -> Layout:
 
 
 def _longest(axes: Sequence[Axis]) -> tuple[Axis, Axis]:
-    """The two axes with the most values; one of a single value where there is only one axis."""
+    """The two axes with the most values; one without a name where there is only one axis."""
     ordered = sorted(axes, key=lambda one: -len(one.values))
-    return ordered[0], ordered[1] if len(ordered) > 1 else Axis(ordered[0].name, "", "", ordered[0].values[:1])
+    return ordered[0], ordered[1] if len(ordered) > 1 else Axis("", "", "", (ALONE,))
 
 
 def ordered_names(document: Mapping[str, Any], key: str, cells: pl.DataFrame, column: str) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 WITHIN, BEYOND, UNDECIDED = "within", "beyond", "undecided"
+FIXED: Final = "\N{NO-BREAK SPACE}"
 VERDICTS: Final = (WITHIN, UNDECIDED, BEYOND)
 SIGNS: Final = {"above": ">", "below": "<"}  # of what lies beyond a limit
 
@@ -44,11 +45,12 @@ UNNAMED: Final = Paint("#6b6b6b", "oo")  # beyond, but no limit is named
 
 def limit_looks(limits: Iterable[str]) -> dict[str, Paint]:
     """Look of cells that are beyond by each limit, in the order given; from the ninth on the hatches change."""
+    hatches = [one.hatch for one in LIMITS if one.hatch]
     looks = {}
     for k, name in enumerate(limits):
         own, turn = LIMITS[k % len(LIMITS)], k // len(LIMITS)
-        hatch = LIMITS[(k + turn) % len(LIMITS)].hatch if turn else own.hatch
-        looks[name] = Paint(own.face, hatch, own.ink)
+        at = hatches.index(own.hatch) if own.hatch else -1
+        looks[name] = Paint(own.face, hatches[(at + turn) % len(hatches)] if turn else own.hatch, own.ink)
     return looks
 
 
@@ -62,16 +64,16 @@ def verdict_look(row: Mapping[str, Any], looks: Mapping[str, Paint]) -> Paint:
 def limit_words(name: str, limit: Mapping[str, Any], *, note: bool = False) -> str:
     """A limit as it is told: what, above or below which value lies beyond, and on which ground if `note`."""
     sign = SIGNS.get(str(limit.get("sense", "above")), ">")
-    told = f"{limit.get('label') or name} {sign} {quantity(limit.get('value'), limit.get('unit'))}"
+    told = f"{limit.get('label') or name} {sign}{FIXED}{quantity(limit.get('value'), limit.get('unit'))}"
     return f"{told} ({limit['note']})" if note and limit.get("note") else told
 
 
 def quantity(value: object, unit: object = "") -> str:
     """A value with its unit; degrees as their sign."""
     number = (f"{value:g}" if isinstance(value, int | float) else str(value)).replace("-", "−")
-    return f"{number}{'' if not unit else '°' if unit == 'deg' else f' {unit}'}"
+    return f"{number}{'' if not unit else '°' if unit == 'deg' else f'{FIXED}{unit}'}"
 
 
 def share_words(share: float) -> str:
     """A share in percent, without needless digits."""
-    return f"{100 * share:.3g} %"
+    return f"{100 * share:.3g}{FIXED}%"

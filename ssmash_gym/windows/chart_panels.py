@@ -57,7 +57,8 @@ def draw_panel(axes: Axes, layout: Layout, panel: int, rows: Mapping[Place, Row]
         patch, paint = _shape(layout, i, j), how.paint(row)
         patch.set(facecolor=paint.face, edgecolor=paint.ink, linewidth=0.0, zorder=1)
         patch.set(hatch=paint.hatch or None, gid=f"{key}{row['cell']}")
-        axes.add_patch(patch)
+        axes.add_artist(patch)  # as add_patch, without looking for limits of the axes
+        patch.set_clip_on(False)  # each clip would be told in the file
     _beyond_model(axes, layout, [place for place, row in own.items() if row.get("valid") is False])
     if layout.polar:
         _rings(axes, layout)
@@ -81,7 +82,16 @@ def _mark(axes: Axes, layout: Layout, place: tuple[int, int], mark: tuple[str, b
         x, y = middle(layout, *place)
         face = "black" if mark[1] else "white"
         size = 2.6 if layout.polar and place[1] == 0 else 3.6
-        axes.plot([x], [y], mark[0], color=face, markersize=size, markeredgecolor="black", markeredgewidth=0.2 * size, zorder=6)
+        axes.plot(
+            [x],
+            [y],
+            mark[0],
+            color=face,
+            markersize=size,
+            markeredgecolor="black",
+            markeredgewidth=0.2 * size,
+            zorder=6,
+        )
 
 
 def _joined(lines: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
@@ -205,6 +215,6 @@ def _fields(axes: Axes, layout: Layout) -> None:
     for axis, set_ticks in ((across, axes.set_xticks), (along, axes.set_yticks)):
         step = -(-len(axis.values) // MOST_TICKS)
         told = range(0, len(axis.values), step)
-        set_ticks([k + 0.5 for k in told], [quantity(axis.values[k]) if axis.label else "" for k in told])
+        set_ticks([k + 0.5 for k in told], [quantity(axis.values[k]) if axis.name else "" for k in told])
     for axis, label in ((across, axes.set_xlabel), (along, axes.set_ylabel)):
-        label(axis.title, fontsize=SMALL + 0.4, labelpad=2, parse_math=False)
+        label(axis.title, fontsize=SMALL + 0.4, labelpad=3, parse_math=False)

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 WIDTH_IN: Final = 11.4  # that a line of several panels fills
 NARROWEST_IN: Final = 8.4
 MARGIN_IN: Final = 0.15
-PANEL_IN: Final = (2.0, 3.1)  # least and greatest side
+PANEL_IN: Final = (1.5, 3.1)  # least and greatest side
 TEXT_PT: Final = 8.0
 LINE_IN: Final = 0.165  # of the text
-CHARACTER_IN: Final = 0.066  # of the text, on the wide side
+CHARACTER_IN: Final = 0.061  # of the text, on the wide side
 SWATCH_IN: Final = (0.3, 0.13)
 ABOVE_IN: Final = 0.62  # heading
 NAME_IN: Final = 0.28  # of a policy, above its panels
@@ -130,7 +130,7 @@ def _shorter(svg: str) -> str:
 
 def _panel_in(layout: Layout) -> tuple[tuple[float, float], tuple[float, float, float], float]:
     """A panel's size, what surrounds it, and the figure's width [in]."""
-    around = (0.06, 0.06, 0.06) if layout.polar else (0.55, 0.1, 0.42)
+    around = (0.06, 0.06, 0.06) if layout.polar else (0.6, 0.1, 0.42)
     free = (WIDTH_IN - 2 * MARGIN_IN) / layout.in_line - around[0] - around[1]
     side = min(max(free, PANEL_IN[0]), PANEL_IN[1])
     width = max(NARROWEST_IN, layout.in_line * (side + around[0] + around[1]) + 2 * MARGIN_IN)
@@ -195,9 +195,7 @@ def _block(figure: Figure, layout: Layout, block: Block, how: Drawing, sizes: Si
     return top - layout.lines * (TITLE_IN + high + below)
 
 
-def _legend(
-    figure: Figure, sizes: Sizes, columns: Sequence[Sequence[tuple[Entry, int]]], scale: Scale | None
-) -> None:
+def _legend(figure: Figure, sizes: Sizes, columns: Sequence[Sequence[tuple[Entry, int]]], scale: Scale | None) -> None:
     """Colour bar and entries between the panels and the footer."""
     bottom = sizes.footer + MARGIN_IN
     axes = figure.add_axes((0.0, bottom / sizes.height, 1.0, sizes.legend / sizes.height))
@@ -213,7 +211,7 @@ def _legend(
         for entry, lines in column:
             indent = _swatch(axes, entry.look, x, y)
             axes.text(
-                x + indent, y, entry.words, fontsize=TEXT_PT, va="top", parse_math=False, linespacing=1.15,
+                x + indent, y, entry.words, fontsize=TEXT_PT, va="top", parse_math=False, linespacing=1.35,
                 fontweight="normal" if entry.look is not None else "bold",
             )  # fmt: skip
             y -= LINE_IN * lines
@@ -235,7 +233,7 @@ def _swatch(axes: Axes, look: Paint | str | None, x: float, y: float) -> float:
     else:
         paint = look if isinstance(look, Paint) else Paint("#ffffff")
         box = Rectangle((x, y - high), wide, high, facecolor=paint.face, edgecolor=paint.ink, linewidth=0.0)
-        box.set_hatch(paint.hatch or None)
+        box.set(hatch=paint.hatch or None)
         axes.add_patch(box)
         axes.add_patch(Rectangle((x, y - high), wide, high, fill=False, edgecolor="0.4", linewidth=0.5))
         for start in (0.0, 0.13) if look == "beyond" else ():

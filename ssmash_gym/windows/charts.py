@@ -39,9 +39,7 @@ SMALLEST_SPAN: Final = 0.1  # of the scale of differences
 NOT_OPERATIONAL: Final = "assumed limits, not operational"
 
 
-def placard(
-    cells: pl.DataFrame, document: Mapping[str, Any], stage: str, policies: Iterable[str] | None = None
-) -> str:
+def placard(cells: pl.DataFrame, document: Mapping[str, Any], stage: str, policies: Iterable[str] | None = None) -> str:
     """Verdict of every cell of a stage, a block of panels a policy; beyond the limits by the limit exceeded most.
 
     Args:
@@ -222,7 +220,7 @@ def _verdict_legend(
     if unnamed:
         limits.append(Entry("no limit named", UNNAMED))
     half = len(limits) if len(limits) <= 4 else -(-len(limits) // 2)
-    first = [Entry("Beyond; the limit exceeded in most episodes", None), *limits[:half]]
+    first = [Entry("Beyond, by the limit exceeded most often", None), *limits[:half]]
     return [verdicts, first, *([[Entry("", None), *limits[half:]]] if limits[half:] else [])]
 
 
@@ -232,7 +230,7 @@ def _words(document: Mapping[str, Any], layout: Layout, own: pl.DataFrame, subje
     if layout.polar:
         below = f"Angle: {across.label}, clockwise from the bow [°]. Rings: {along.title}, the lowest in the middle."
     else:
-        below = f"Across: {across.title}. Up: {along.title}."
+        below = f"Across: {across.title}." + (f" Up: {along.title}." if along.name else "")
     if layout.left_out:
         below += f" The first {len(layout.panels)} of {len(layout.panels) + layout.left_out} panels."
     return Words(f"{document.get('name', '')}, {subject}", below, provenance_line(document, own))

@@ -124,7 +124,7 @@ def page_data(
     ]  # fmt: skip
     return {
         "stages": stages, "policies": policies, "reasons": reasons, "peaks": peaks.heads,
-        "axes": [{"label": axis.label.split(",")[0], "unit": "°" if axis.unit == "deg" else axis.unit} for axis in axes],
+        "axes": [{"label": one.label.split(",")[0], "unit": "°" if one.unit == "deg" else one.unit} for one in axes],
         "limits": [{"label": str(one.get("label") or name), "value": quantity(one.get("value"), one.get("unit"))}
                    for name, one in limits.items()],
         "names": list(limits), "closed": layout.closed, "most": MOST_EPISODES,

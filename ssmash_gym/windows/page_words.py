@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import polars as pl
@@ -86,7 +86,8 @@ def counts(cells: pl.DataFrame, document: Mapping[str, Any]) -> list[Grid]:
     layout = layout_of(cells, document)
     head = Column(layout.others[-1].label) if layout.others else Column("cells")
     columns = [Column("policy"), head, Column("within"), Column("undecided"), Column("beyond"),
-               Column("most often by", words=True), *_columns(layout), Column("outside validity", "not counted")]  # fmt: skip
+               Column("most often by", words=True), *_columns(layout),
+               Column("outside validity", "not counted")]  # fmt: skip
     found = []
     for stage in stages_of(cells, document):
         rows = []
@@ -188,8 +189,10 @@ def policies(document: Mapping[str, Any]) -> Grid:
     """What is known of each policy."""
     rows = []
     for name, about in (document.get("policies") or {}).items():
-        told = about.items() if isinstance(about, Mapping) else [("", about)]
-        plain = [f"{key}: {value}" if key else str(value) for key, value in told if not isinstance(value, Mapping | list)]
+        told: Iterable[tuple[str, Any]] = about.items() if isinstance(about, Mapping) else [("", about)]
+        plain = [
+            f"{key}: {value!s}" if key else str(value) for key, value in told if not isinstance(value, Mapping | list)
+        ]
         rows.append(Row([Cell(name), Cell("; ".join(plain) or DASH)]))
     return Grid([Column("policy"), Column("what it is", words=True)], rows, "Policies; scripted ones are not humans")
 
@@ -199,8 +202,9 @@ def method(document: Mapping[str, Any]) -> list[str]:
     accepted = share_words(float(document.get("acceptance", 0.1)))
     sure = share_words(float(document.get("confidence", 0.95)))
     return [
-        f"An episode counts as beyond when it exceeds any limit. A cell is within when the {sure} interval of the share "
-        f"of such episodes lies below {accepted}, beyond when it lies above, undecided when it still holds {accepted}.",
+        f"An episode counts as beyond when it exceeds any limit. A cell is within when the {sure} interval of the "
+        f"share of such episodes lies below {accepted}, beyond when it lies above, undecided when it still "
+        f"holds {accepted}.",
         "The interval is a time-uniform confidence sequence: it holds at every number of episodes at once, so that "
         "stopping as soon as a cell is decided does not spoil it. It holds for each cell by itself, not for all "
         "cells together, and it covers the draw of the seas, not errors of the model.",
@@ -212,10 +216,11 @@ def method(document: Mapping[str, Any]) -> list[str]:
 def facts(cells: pl.DataFrame, document: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Names and numbers below the title."""
     given = [(key, str(document[key])) for key in ("helicopter", "scenario", "task") if document.get(key)]
-    spread = cells["episodes"]
+    total = int(cells["episodes"].sum() or 0)
+    low, high = cells["episodes"].min(), cells["episodes"].max()
     told = [
-        ("cells", f"{cells.height:,}"), ("episodes", f"{int(spread.sum() or 0):,}"),
-        ("in a cell", f"{spread.min()} to {spread.max()}"), ("seed", str(document.get("seed", DASH))),
+        ("cells", f"{cells.height:,}"), ("episodes", f"{total:,}"),
+        ("in a cell", str(low) if low == high else f"{low!s} to {high!s}"), ("seed", str(document.get("seed", DASH))),
     ]  # fmt: skip
     told += [("accepted share", share_words(float(document.get("acceptance", 0.1))))]
     return [*given, *told, ("confidence", share_words(float(document.get("confidence", 0.95))))]

@@ -100,5 +100,6 @@ def _episode(use: np.ndarray, number: int, seed: int, names: list[str]) -> dict[
     over = [name for name, one in zip(names, use, strict=True) if one > 1.0]
     peaks = {COLUMNS.get(name, f"peak_{k}_kN"): (LIMITS.get(name, {"value": 1.0})["value"] or 1.0) * one
              for k, (name, one) in enumerate(zip(names, use, strict=True))}  # fmt: skip
-    return {"number": number, "seed": seed, "reason": "goal" if use[0] < 1.6 else "time_out",
-            "success": bool(use[0] < 1.6), "time_s": 40.0 + 5.0 * use[0], **peaks, "exceeds": ",".join(over)}  # fmt: skip
+    done = bool(use[0] < 1.6)
+    head = {"number": number, "seed": seed, "reason": "goal" if done else "time_out", "success": done}
+    return head | {"time_s": 40.0 + 5.0 * use[0], "exceeds": ",".join(over)} | peaks

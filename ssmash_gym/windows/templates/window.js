@@ -130,13 +130,13 @@
     else panel.append(make("p", "The page holds no episodes of this cell."));
     panel.hidden = false;
     panel.scrollTop = 0;
-    document.body.classList.add("open");
+    document.body.classList.add("opened");
     outline(nodes.get(one), "chosen");
   }
 
   function shut() {
     panel.hidden = true;
-    document.body.classList.remove("open");
+    document.body.classList.remove("opened");
     const back = outlined.chosen && outlined.chosen.length && [...nodes.values()].find((node) => node.tabIndex === 0);
     outline(null, "chosen");
     if (back) back.focus();
