@@ -181,7 +181,8 @@ def _blocks(
         raise ConfigurationError(f"There are no cells of stage {stage!r} with {', '.join(wanted) or 'any policy'}.")
     layout, blocks = layout_of(cells, document), []
     for name in (name for name in wanted if name in own["policy"]):
-        rows: dict[Place, Row] = layout.places(own.filter(pl.col("policy") == name).iter_rows(named=True))
+        here = own.filter((pl.col("policy") == name) & pl.col("share").is_finite())  # others have no episodes yet
+        rows: dict[Place, Row] = layout.places(here.iter_rows(named=True))
         blocks.append(Block(name, rows, f"s{stages.index(stage)}p{known.index(name)}c"))
     return layout, blocks, own
 

@@ -185,6 +185,14 @@ def test_the_csv_file_is_the_table(cells: pl.DataFrame, tmp_path: Path) -> None:
     assert len(text) == 1 + cells.height and text[0].endswith(",more")
 
 
+def test_cells_without_episodes_are_left_blank(cells: pl.DataFrame, told: dict[str, Any]) -> None:
+    none = pl.when(pl.col("cell") == 3).then(None).otherwise(pl.col("share"))
+    table = cells.with_columns(share=none)
+    for figure in (charts.placard, charts.probability, charts.difference):
+        numbers = [one[3] for one in drawn_cells(figure(table, told, "traverse"))]
+        assert numbers and "3" not in numbers
+
+
 def test_what_cannot_be_drawn_is_refused_in_words(cells: pl.DataFrame, told: dict[str, Any]) -> None:
     with pytest.raises(ConfigurationError, match="no column verdict"):
         charts.placard(cells.drop("verdict"), told, "secured")
