@@ -58,8 +58,8 @@ def require_matplotlib() -> None:
     require("matplotlib", 'figures need Matplotlib: pip install "ssmash_gym[plot]".')
 
 
-def _drawn(draw: Callable[[Figure], None], size_in: tuple[float, float] = SIZE_IN) -> str:
-    """SVG of what `draw` puts into a figure; the same numbers give the same text."""
+def drawn(draw: Callable[[Figure], None], size_in: tuple[float, float] = SIZE_IN) -> str:
+    """SVG of what `draw` puts into a figure [in]; the same numbers give the same text."""
     require_matplotlib()
     from matplotlib import rc_context
     from matplotlib.figure import Figure as Sheet
@@ -108,7 +108,7 @@ def distribution(loads: Mapping[str, Array], looks: Looks, limit_kN: float) -> s
         axes.set(xlabel="peak probe load [kN]", ylabel="share of episodes below", xlim=(0.0, None), ylim=(0.0, 1.01))
         _legend(figure, axes)
 
-    return _drawn(draw)
+    return drawn(draw)
 
 
 def points(
@@ -154,7 +154,7 @@ def points(
         axes.grid(axis="x", visible=False)
         _legend(figure, axes)
 
-    return _drawn(draw)
+    return drawn(draw)
 
 
 def load_against_time(
@@ -195,7 +195,7 @@ def load_against_time(
         axes.margins(x=0.12, y=0.12)
         _legend(figure, axes, columns=2)
 
-    return _drawn(draw)
+    return drawn(draw)
 
 
 def by_heading(centres_deg: Array, values: Mapping[str, Array], looks: Looks, limit_kN: float) -> str:
@@ -227,7 +227,7 @@ def by_heading(centres_deg: Array, values: Mapping[str, Array], looks: Looks, li
         axes.tick_params(axis="x", pad=7.0)
         _legend(figure, axes)
 
-    return _drawn(draw, (5.4, 5.2))
+    return drawn(draw, (5.4, 5.2))
 
 
 def dots(
@@ -264,7 +264,7 @@ def dots(
                 axes.axhspan(i - 0.5, i + 0.5, color="0.955", zorder=0)
         _legend(figure, left)
 
-    return _drawn(draw, (7.2, 1.5 + 0.34 * len(rows) + 0.03 * len(rows) * len(loads)))
+    return drawn(draw, (7.2, 1.5 + 0.34 * len(rows) + 0.03 * len(rows) * len(loads)))
 
 
 def _across(axes: Axes, row: Sequence[Estimate | None], style: Style, shift: float, factor: float, name: str) -> None:
@@ -308,7 +308,7 @@ def pairs(ours: Array, theirs: Array, names: tuple[str, str], looks: Looks) -> s
         axes.set(xlim=(0.0, top), ylim=(0.0, top), aspect="equal")
         axes.set(xlabel=f"{names[1]}: peak probe load [kN]", ylabel=f"{names[0]}: peak probe load [kN]")
 
-    return _drawn(draw, (4.6, 4.4))
+    return drawn(draw, (4.6, 4.4))
 
 
 def differences(values: Array, names: tuple[str, str], looks: Looks) -> str:
@@ -338,7 +338,7 @@ def differences(values: Array, names: tuple[str, str], looks: Looks) -> str:
         axes.set(xlabel="seas, in order of the difference [%]", xlim=(0.0, 100.0))
         axes.set(ylabel=f"peak load, {names[0]} less {names[1]} [kN]")
 
-    return _drawn(draw)
+    return drawn(draw)
 
 
 def learning(curves: Mapping[str, tuple[Array, Array, Array]], success_at: float = LEVEL) -> str:
@@ -362,4 +362,4 @@ def learning(curves: Mapping[str, tuple[Array, Array, Array]], success_at: float
         below.set(ylabel="success [%]", xlabel="control intervals of training [million]", ylim=(0.0, 101.0))
         _legend(figure, above)
 
-    return _drawn(draw)
+    return drawn(draw)
