@@ -36,14 +36,14 @@ AXES: Final[Mapping[str, Axis]] = {
     "sea_state": Axis("sea state", "", _sea_state),
     "hs_m": Axis("significant wave height", "m", lambda v: {"motion": {"hs_m": v, "sea_state": None}}),
     "waves_from_deg": Axis(
-        "relative direction the waves come from (0 = head, 90 = starboard beam)",
+        "relative direction the waves come from",
         "deg",
         lambda v: {"motion": {"heading_deg": float(comes_from_deg(v))}},
     ),
     "speed_kn": Axis("speed of the ship", "kn", lambda v: {"motion": {"speed_kn": v}}),
     "wind_speed_mps": Axis("true wind", "m/s", lambda v: {"wind": {"speed_mps": v}}),
     "wind_from_deg": Axis(
-        "relative direction the true wind comes from (0 = ahead, 90 = starboard beam)",
+        "relative direction the true wind comes from",
         "deg",
         lambda v: {"wind": {"from_deg": v}},
     ),

@@ -20,9 +20,9 @@ MOST_EPISODES: Final = 10  # of a cell that the page holds: all would be tens of
 MOST_PEAKS: Final = 9  # columns of the list of episodes
 DIGITS: Final = 4
 PEAKS: Final = {
-    "peak_probe_kN": "probe, plane", "peak_axial_kN": "probe, axis", "peak_main_kN": "main tire",
-    "peak_nose_kN": "nose tire", "least_station_kN": "least station", "peak_roll_deg": "roll", "oleo_share": "oleo",
-    "sliding_m": "sliding", "corridor_clearance_m": "corridor",
+    "peak_probe_kN": "probe, plane", "peak_axial_kN": "probe, axis", "peak_main_kN": "main station",
+    "peak_auxiliary_kN": "auxiliary", "least_station_kN": "least station", "peak_roll_deg": "roll",
+    "peak_oleo_share": "oleo", "sliding_m": "sliding", "least_clearance_m": "clearance",
 }  # fmt: skip
 UNITS: Final = ("kN", "N", "deg", "mps", "m", "s", "kNm", "m_s")
 KEYS: Final = ("stage", "policy", "cell")

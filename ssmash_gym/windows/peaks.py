@@ -115,8 +115,12 @@ class PeakBook:
     def note(self, reading: Reading, columns: Columns) -> None:
         """Write down an interval of the listed columns."""
         highs, lows = reading.telemetry.highs, reading.telemetry.lows
-        self._highs[:, columns] = np.maximum(self._highs[:, columns], highs)
-        self._lows[:, columns] = np.minimum(self._lows[:, columns], lows)
+        if columns.size == self._slid.shape[1]:  # in place: most of the time all of them run
+            np.maximum(self._highs, highs, out=self._highs)
+            np.minimum(self._lows, lows, out=self._lows)
+        else:
+            self._highs[:, columns] = np.maximum(self._highs[:, columns], highs)
+            self._lows[:, columns] = np.minimum(self._lows[:, columns], lows)
         counted = columns[reading.counted]
         for table, values, extreme in zip(self._counted, (highs, lows), (np.maximum, np.minimum), strict=True):
             table[_PROBE, counted] = extreme(table[_PROBE, counted], values[_PROBE, reading.counted])

@@ -200,13 +200,7 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
             name: {"label": AXES[name].label, "unit": AXES[name].unit, "values": list(values)}
             for name, values in config.axes.items()
         },
-        "limits": {
-            name: {
-                "value": limit.value, "note": limit.note, "label": CRITERIA[name].label, "unit": CRITERIA[name].unit,
-                "sense": CRITERIA[name].sense,
-            }
-            for name, limit in config.limits.items()
-        },
+        "limits": limits_told(config),
         "must_arrive": config.must_arrive,
         "acceptance": config.acceptance,
         "confidence": config.confidence,
@@ -222,6 +216,21 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
             for stage, one in job.settings.items()
         },
     }  # fmt: skip
+
+
+def limits_told(config: WindowConfig) -> dict[str, dict[str, Any]]:
+    """The limits of a window in words and figures, by name."""
+    return {
+        name: {
+            "value": limit.value,
+            "note": limit.note,
+            "label": CRITERIA[name].label,
+            "unit": CRITERIA[name].unit,
+            "sense": CRITERIA[name].sense,
+            "column": CRITERIA[name].column,
+        }
+        for name, limit in config.limits.items()
+    }
 
 
 def _refuse_mixing(sweep: Sweep, earlier: dict[str, Any], out: Path) -> None:

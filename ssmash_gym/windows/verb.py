@@ -11,7 +11,7 @@ from rich.console import Console
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.engines import Engine, Threads
-from ssmash_gym.windows.rows import WINDOW, read_document, read_rows
+from ssmash_gym.windows.rows import read_document, read_rows
 from ssmash_gym.windows.verdicts import cells_of, judged_rows, sentences
 
 Policies = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
@@ -126,15 +126,3 @@ def _with_effort(config: WindowConfig, given: dict[str, int | None]) -> WindowCo
     if "most" not in changes:
         effort["most"] = max(effort["most"], effort["seeds"])
     return load_window({**config.model_dump(mode="json"), "effort": effort})
-
-
-def finished(folder: Path) -> dict[str, Any]:
-    """The ``window.json`` of a folder that holds a window.
-
-    Raises:
-        ConfigurationError: It holds none.
-    """
-    found = read_document(folder)
-    if not found:
-        raise ConfigurationError(f"{folder}: there is no window in this folder ({WINDOW} is missing).")
-    return found
