@@ -35,7 +35,7 @@ def set_down(batch: Batch, columns: Columns, draws: Sequence[EpisodeDraw]) -> No
         return
     chosen = columns[falling]
     decks = batch.deck_rows(chosen)
-    for i, k, deck in zip(falling, chosen, decks.T, strict=True):
+    for i, k, deck in zip(falling, chosen, np.ascontiguousarray(decks.T), strict=True):
         batch.state[:, k] = _falling(batch, int(k), draws[i], deck)
     batch.parameters[Par.PROBE_ACTIVE, chosen] = 0.0  # or the claw would take the probe as soon as it dips in
     batch.evaluate(chosen)
@@ -47,17 +47,17 @@ def _falling(batch: Batch, k: int, draw: EpisodeDraw, deck: Array) -> Array:
     w_NS_S = deck[Deck.W_NS_S : Deck.W_NS_S + 3]
     yaw = deck[Deck.ANGLES + 2] + np.radians(draw.start_yaw_deg)
     R_NH = np.array([[np.cos(yaw), -np.sin(yaw), 0.0], [np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
-    R_SH = R_NS.T @ R_NH
+    R_SH = _product(R_NS.T, R_NH)
     helicopter, standing = batch.helicopters[k], batch.state[:, k]
     lowest = max(_lowest(station, R_SH) for station in helicopter.station_tuple)
     shift = (draw.helicopter_cg_x_m, draw.helicopter_cg_y_m, draw.helicopter_cg_z_m)
-    height = lowest - (R_SH @ (np.array(helicopter.cg_offset_m) + shift))[2]
+    height = lowest - _product(R_SH, np.array(helicopter.cg_offset_m) + shift)[2]
     r_SH_S = np.array([standing[State.Q8], standing[State.Q9], -height])
     state = droop_state(helicopter, position_S=tuple(r_SH_S), orientation=_euler_parameters(R_SH))
     v_H_N = np.array([0.0, 0.0, float(draw.start_sink_rate_m_s or 0.0)])
     v_NS_N = deck[Deck.V_NS_N : Deck.V_NS_N + 3]
-    state[State.U7 : State.U9 + 1] = R_NS.T @ (v_H_N - v_NS_N) - np.cross(w_NS_S, r_SH_S)
-    state[State.U10 : State.U12 + 1] = -R_SH.T @ w_NS_S
+    state[State.U7 : State.U9 + 1] = _product(R_NS.T, v_H_N - v_NS_N) - np.cross(w_NS_S, r_SH_S)
+    state[State.U10 : State.U12 + 1] = -_product(R_SH.T, w_NS_S)
     state[State.CLAW_X : State.CLAW_VY + 1] = standing[State.CLAW_X : State.CLAW_VY + 1]
     return state
 
@@ -67,10 +67,17 @@ def _lowest(station: Station, R_SH: Array) -> float:
 
     As the tire's vertical deflection counts it: a radius below the wheel's centre, however the wheel is inclined.
     """
-    R_SO = R_SH @ rotation(station.orientation)
-    carriage = R_SH @ np.array(station.mount_m) + R_SO @ np.array(station.droop_m)
-    reach = [(carriage + R_SO @ np.array(tire.position_m))[2] + 0.5 * tire.diameter_m for tire in station.tires]
+    R_SO = _product(R_SH, rotation(station.orientation))
+    carriage = _product(R_SH, np.array(station.mount_m)) + _product(R_SO, np.array(station.droop_m))
+    reach = [
+        (carriage + _product(R_SO, np.array(tire.position_m)))[2] + 0.5 * tire.diameter_m for tire in station.tires
+    ]
     return float(max(reach))
+
+
+def _product(R: Array, other: Array) -> Array:
+    """``R @ other`` of a vector or a matrix, summed in a fixed order: a library's bits differ between machines."""
+    return np.asarray(sum(np.multiply.outer(R[:, k], other[k]) for k in range(3)))
 
 
 def _euler_parameters(R_SH: Array) -> tuple[float, float, float, float]:

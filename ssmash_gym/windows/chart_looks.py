@@ -63,9 +63,15 @@ def verdict_look(row: Mapping[str, Any], looks: Mapping[str, Paint]) -> Paint:
 
 def limit_words(name: str, limit: Mapping[str, Any], *, note: bool = False) -> str:
     """A limit as it is told: what, above or below which value lies beyond, and on which ground if `note`."""
-    sign = SIGNS.get(str(limit.get("sense", "above")), ">")
-    told = f"{limit.get('label') or name} {sign}{FIXED}{quantity(limit.get('value'), limit.get('unit'))}"
+    told = f"{limit.get('label') or name} {beyond_words(limit)}".rstrip()
     return f"{told} ({limit['note']})" if note and limit.get("note") else told
+
+
+def beyond_words(limit: Mapping[str, Any]) -> str:
+    """What lies beyond a limit: sign, value and unit; nothing for one that has no figure."""
+    if limit.get("value") is None:
+        return ""
+    return f"{SIGNS.get(str(limit.get('sense', 'above')), '>')}{FIXED}{quantity(limit['value'], limit.get('unit'))}"
 
 
 def quantity(value: object, unit: object = "") -> str:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import polars as pl
 
 from ssmash_gym.windows.chart_layout import Layout, axes_of, layout_of
-from ssmash_gym.windows.chart_looks import quantity
+from ssmash_gym.windows.chart_looks import beyond_words
 from ssmash_gym.windows.charts import policies_of, stages_of
 
 MOST_EPISODES: Final = 10  # of a cell that the page holds: all would be tens of megabytes
@@ -125,7 +125,7 @@ def page_data(
     return {
         "stages": stages, "policies": policies, "reasons": reasons, "peaks": peaks.heads,
         "axes": [{"label": one.label.split(",")[0], "unit": "°" if one.unit == "deg" else one.unit} for one in axes],
-        "limits": [{"label": str(one.get("label") or name), "value": quantity(one.get("value"), one.get("unit"))}
+        "limits": [{"label": str(one.get("label") or name), "value": beyond_words(one)}
                    for name, one in limits.items()],
         "names": list(limits), "closed": layout.closed, "most": MOST_EPISODES,
         "sizes": [len(layout.panels), len(layout.across.values), len(layout.along.values)],

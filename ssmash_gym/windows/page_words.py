@@ -10,7 +10,7 @@ import polars as pl
 from ssmash_gym import __version__
 from ssmash_gym.evaluation.page_tables import DASH, Cell, Column, Grid, Row
 from ssmash_gym.windows.chart_layout import Axis, Layout, axes_of, layout_of
-from ssmash_gym.windows.chart_looks import BEYOND, SIGNS, UNDECIDED, WITHIN, limit_words, quantity, share_words
+from ssmash_gym.windows.chart_looks import BEYOND, UNDECIDED, WITHIN, beyond_words, limit_words, quantity, share_words
 from ssmash_gym.windows.charts import policies_of, stages_of
 
 EVERYWHERE: Final = "all"
@@ -166,7 +166,7 @@ def limits(document: Mapping[str, Any]) -> Grid:
     rows = [
         Row([
             Cell(str(one.get("label") or name)), Cell(name, code=True),
-            Cell(f"{SIGNS.get(str(one.get('sense', 'above')), '>')} {quantity(one.get('value'), one.get('unit'))}"),
+            Cell(beyond_words(one) or "it happens"),
             Cell(str(one.get("note") or DASH)),
         ])
         for name, one in document.get("limits", {}).items()

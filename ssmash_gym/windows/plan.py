@@ -79,12 +79,10 @@ def rounds(config: WindowConfig, tallies: Mapping[Who, Tally]) -> dict[Who, Coun
     """
     effort = config.effort
     wanted = {who: np.full(len(tally.done), effort.seeds, np.int64) for who, tally in tallies.items()}
-    if effort.episodes is not None:
-        wanted = _affordable({who: np.zeros_like(counts) for who, counts in wanted.items()}, wanted, effort.episodes)
     while all(tallies[who].complete(counts) for who, counts in wanted.items()):
         more = {who: _next(config, tallies[who], counts) for who, counts in wanted.items()}
         if effort.episodes is not None:
-            more = _affordable(wanted, more, effort.episodes)
+            more = _affordable(wanted, more, effort.episodes, _promise(config, tallies, wanted))
         if all(np.array_equal(more[who], wanted[who]) for who in wanted):
             break
         wanted = more
@@ -94,15 +92,24 @@ def rounds(config: WindowConfig, tallies: Mapping[Who, Tally]) -> dict[Who, Coun
 def _next(config: WindowConfig, tally: Tally, counts: Counts) -> Counts:
     """Seas after the next round: `step` more for the cells that these leave undecided."""
     found = bounds(tally.hits(counts), counts, config.confidence).verdicts(config.acceptance)
-    more = np.minimum(counts + config.effort.step, config.effort.most)
-    return np.where((found == UNDECIDED) & (counts >= min(config.effort.seeds, config.effort.most)), more, counts)
+    return np.where(found == UNDECIDED, np.minimum(counts + config.effort.step, config.effort.most), counts)
 
 
-def _affordable(before: dict[Who, Counts], after: dict[Who, Counts], budget: int) -> dict[Who, Counts]:
-    """As much of a round as the budget pays for, cell by cell, the same cell of all policies together."""
+def _promise(config: WindowConfig, tallies: Mapping[Who, Tally], counts: Mapping[Who, Counts]) -> NDArray[np.float64]:
+    """How far each cell's share is from the acceptance level: the farther, the sooner it will be decided, (cells,)."""
+    shares = [tallies[who].hits(counts[who]) / counts[who] for who in counts]
+    return np.asarray(np.max(np.abs(np.array(shares) - config.acceptance), axis=0), dtype=np.float64)
+
+
+def _affordable(
+    before: dict[Who, Counts], after: dict[Who, Counts], budget: int, promise: NDArray[np.float64]
+) -> dict[Who, Counts]:
+    """As much of a round as the budget pays for: cells of most promise first, each for all policies together."""
     left = budget - sum(int(counts.sum()) for counts in before.values())
     cost = sum(after[who] - before[who] for who in after)
-    paid = np.cumsum(cost) <= left
+    order = np.argsort(-promise, kind="stable")
+    paid = np.zeros(len(promise), np.bool_)
+    paid[order] = np.cumsum(np.asarray(cost)[order]) <= left
     return {who: np.where(paid, after[who], before[who]) for who in after}
 
 

@@ -21,7 +21,7 @@ from ssmash_gym.windows.axes import AXES
 from ssmash_gym.windows.cells import Grid, Setting, settings
 from ssmash_gym.windows.chunks import Chunk, Job
 from ssmash_gym.windows.config import WindowConfig
-from ssmash_gym.windows.criteria import CRITERIA, columns_read
+from ssmash_gym.windows.criteria import CRITERIA, columns_read, label_of, names_of
 from ssmash_gym.windows.engines import Engine
 from ssmash_gym.windows.plan import Tally, Who, chunks, fill, rounds
 from ssmash_gym.windows.rows import read_document, read_rows, write_document, write_rows
@@ -76,6 +76,12 @@ def prepared(config: WindowConfig, name: str, policies: Sequence[str] = (), size
     for stage, those in entrants.items():
         for entrant in those.values():
             entrant.make(found[stage].task)  # refused now rather than after an hour
+    first = len(Grid(config.axes)) * config.effort.seeds * sum(map(len, entrants.values()))
+    if config.effort.episodes is not None and config.effort.episodes < first:
+        raise ConfigurationError(
+            f"window: effort.episodes = {config.effort.episodes} is refused: the first round alone takes {first} "
+            "(cells times seeds times policies)."
+        )
     seeds = tuple(block(config.seed, WINDOWS, max(config.effort.most, config.effort.seeds)))
     grid = Grid(config.axes)
     size = min(size, len(grid) * config.effort.seeds)
@@ -219,8 +225,8 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
 
 
 def limits_told(config: WindowConfig) -> dict[str, dict[str, Any]]:
-    """The limits of a window in words and figures, by name."""
-    return {
+    """The limits of a window in words and figures, by name; those that have no figure have None there."""
+    found: dict[str, dict[str, Any]] = {
         name: {
             "value": limit.value,
             "note": limit.note,
@@ -231,6 +237,8 @@ def limits_told(config: WindowConfig) -> dict[str, dict[str, Any]]:
         }
         for name, limit in config.limits.items()
     }
+    names = names_of({}, must_arrive=any(config.arrives(stage) for stage in config.stages))
+    return found | {name: {"value": None, "note": "in any case", "label": label_of(name), "unit": ""} for name in names}
 
 
 def _refuse_mixing(sweep: Sweep, earlier: dict[str, Any], out: Path) -> None:

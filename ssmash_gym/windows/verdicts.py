@@ -26,7 +26,8 @@ def judged_rows(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame
     Returns:
         `rows` with the columns of `criteria.judged`, and ``exceeds``, the names of what was exceeded with commas.
     """
-    figures = {name: float(limit["value"]) for name, limit in document["limits"].items()}
+    given = {name: limit["value"] for name, limit in document["limits"].items()}
+    figures = {name: float(value) for name, value in given.items() if value is not None}
     frames = []
     for stage, part in rows.group_by("stage", maintain_order=True):
         must_arrive = bool(document["must_arrive"]) and STAGES[str(stage[0])].arrives
