@@ -69,9 +69,8 @@ def _lowest(station: Station, R_SH: Array) -> float:
     """
     R_SO = _product(R_SH, rotation(station.orientation))
     carriage = _product(R_SH, np.array(station.mount_m)) + _product(R_SO, np.array(station.droop_m))
-    reach = [
-        (carriage + _product(R_SO, np.array(tire.position_m)))[2] + 0.5 * tire.diameter_m for tire in station.tires
-    ]
+    wheels = [carriage + _product(R_SO, np.array(tire.position_m)) for tire in station.tires]
+    reach = [wheel[2] + 0.5 * tire.diameter_m for wheel, tire in zip(wheels, station.tires, strict=True)]
     return float(max(reach))
 
 

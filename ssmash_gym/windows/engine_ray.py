@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import socket
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
@@ -19,6 +20,7 @@ from ssmash_gym.windows.chunks import Chunk, Job, Worker
 from ssmash_gym.windows.engines import Done, Steps
 
 RETRIES: Final = 20  # of a chunk whose worker or node has died
+ANSWER_S: Final = 5.0  # within which a cluster must answer
 POLL_S: Final = 1.0  # between two looks at what is done
 
 
@@ -40,6 +42,8 @@ class Ray:
         import ray
 
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        if address is not None:
+            _refuse_unreachable(address)
         if not ray.is_initialized():
             options: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
             if address is None:
@@ -73,6 +77,23 @@ class Ray:
         finally:
             for left in waiting:
                 ray.cancel(left, force=True)
+
+
+def _refuse_unreachable(address: str) -> None:
+    """Refuse an address at which nobody answers: Ray itself would try for minutes.
+
+    Raises:
+        ConfigurationError: It is neither ``auto`` nor ``host:port``, or nobody listens there.
+    """
+    if address in ("auto", "local"):
+        return
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if not host or not port.isdigit():
+        raise ConfigurationError(f"--address {address} is refused: give host:port of a running cluster, or auto.")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), ANSWER_S).close()
+    except (OSError, OverflowError) as error:
+        raise ConfigurationError(f"--address {address} is refused: no cluster answers there ({error}).") from None
 
 
 def _most_steps(job: Job, chunk: Chunk) -> int:

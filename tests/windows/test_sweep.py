@@ -33,7 +33,8 @@ DOCUMENT: dict[str, Any] = {
         "lead_in": {"duration_s": 1.0, "ramp_s": 1.0},
     },
     "policies": ["trapezoid", "ppo_traverse"],
-    "axes": {"sea_state": [3, 6], "waves_from_deg": [0, 100], "speed_kn": [10]}, "limits": {"probe_in_plane_kN": 5.0}, "must_arrive": False, "acceptance": 0.3,
+    "axes": {"sea_state": [3, 6], "waves_from_deg": [0, 100], "speed_kn": [10]},
+    "limits": {"probe_in_plane_kN": 5.0}, "must_arrive": False, "acceptance": 0.3,
     "effort": {"seeds": 6, "step": 4, "most": 14},
 }  # fmt: skip
 
