@@ -17,8 +17,10 @@ EXTRAS = {
     "train": ("stable-baselines3", "torch", "tensorboard", "tqdm"),
     "render": ("pygame-ce", "imageio-ffmpeg", "moviepy"),
     "plot": ("matplotlib",),
+    "report": ("jinja2",),
+    "distributed": ("ray",),
 }
-CATALOGUE = ("helicopters", "ships", "scenarios", "tasks", "training", "evaluation")
+CATALOGUE = ("helicopters", "ships", "scenarios", "tasks", "training", "evaluation", "windows")
 
 
 def installed(name: str) -> str:
