@@ -1,13 +1,16 @@
-"""Judges the deck monitor's probabilities by what happens: ``python tools/monitor_study.py --out runs/monitor``.
+"""Judges the deck monitor's probabilities by what happens: ``python -m tools.monitor_study --out runs/monitor``.
 
 Seaways are drawn by seed; at several starts of each the monitor's futures are sampled from the past, copies of the
-secured helicopter are driven through them, and one more copy through what the record really does. Rows are kept one
-Parquet file a chunk of records, so that a study that was stopped goes on where it was; then come the figures
+secured helicopter are driven through them, and one more copy through what the record really does. To tell what the
+forecast is worth, and what the simulation, copies are also driven through the record from many earlier times: the share
+of those that exceeded a limit (`rehearsed past`) knows how severe the sea is and nothing of its future. Rows are kept
+one Parquet file a chunk of records, so that a study that was stopped goes on where it was; then come the figures
 (``summary.json``), the picture and the tables in Markdown.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from dataclasses import asdict, dataclass, field
@@ -30,6 +33,7 @@ from ssmash_gym.monitor.settings import SPACING_S
 from ssmash_gym.progress import progress_bar
 from ssmash_gym.ship import Motion, parse_motion
 from ssmash_gym.ship.motion import DEFAULT_SPACING_S, GRAVITY, pose_of
+from tools.monitor_tables import picture, tables
 
 SEA_STATES: Final = (4, 5, 6)
 FASTEST_KN: Final = 20.0
@@ -37,6 +41,8 @@ COMPONENTS: Final = 256  # waves of a sea: it does not repeat within a record
 SETTLE_S: Final = 60.0  # how long the secured helicopter has been at sea before the first start
 RMS_S: Final = 60.0  # what the rule to compare with looks back on
 RAMP_S: Final = 8.0
+PAST_EVERY_S: Final = 5.0  # between the starts of the rehearsed past
+PAST_BEGIN_S: Final = 30.0  # how long the helicopter has been at sea before each of them, and so the first of them
 HORIZONS_S: Final = (5.0, 10.0, 20.0, 45.0)
 CHUNK: Final = 10  # records in a file of rows
 # With the task's own 15 kN next to nothing happens in sea state 4: here something does and does not happen in each.
@@ -117,6 +123,39 @@ def chunk_rows(study: Study, records: list[int], scene: Scene) -> pl.DataFrame:
     return pl.DataFrame(rows)
 
 
+def past_rows(study: Study, records: list[int], scene: Scene) -> pl.DataFrame:
+    """When traverses started at earlier times have exceeded a limit: one row a record and earlier start."""
+    settings, seas = study.settings, [study.sea(record)[1] for record in records]
+    last_s = settings.past_s + (study.starts - 1) * study.every_s - settings.horizon_s
+    begins = np.arange(PAST_BEGIN_S, last_s + 1e-9, PAST_EVERY_S).tolist()
+    pairs = [(record, sea, now_s) for record, sea in zip(records, seas, strict=True) for now_s in begins]
+    shadow = Shadow(scene, len(pairs), settings.threads)
+    pieces = [sea.bake(PAST_BEGIN_S, ramp_s=RAMP_S, start_s=now_s - PAST_BEGIN_S).nodes for _, sea, now_s in pairs]
+    shadow.advance(np.stack(pieces), round(PAST_BEGIN_S / scene.task.control_interval_s))
+    nodes = np.stack([sea.bake(settings.horizon_s, start_s=now_s).nodes for _, sea, now_s in pairs])
+    copies = Copies(scene, len(pairs), settings.threads)
+    found = copies.drive(shadow.snapshot(), np.arange(len(pairs)), nodes, settings.horizon_s)
+    return pl.DataFrame(
+        {
+            "record": [record for record, _, _ in pairs],
+            "start_s": [now_s for _, _, now_s in pairs],
+            "first_s": found.first_s,
+        }
+    )
+
+
+def rehearsed_past(study: Study, rows: pl.DataFrame, past: pl.DataFrame, horizon_s: float) -> Any:
+    """Share of the traverses that a ship could have rehearsed by each start and that exceeded a limit, (n,)."""
+    table = {record[0]: frame for record, frame in past.partition_by("record", as_dict=True).items()}
+    said = []
+    for record, now_s in rows.select("record", "start_s").iter_rows():
+        frame = table[record]
+        began = frame["start_s"].to_numpy()
+        known = (began >= now_s - study.settings.past_s) & (began <= now_s - study.settings.horizon_s + 1e-9)
+        said.append(np.mean(frame["first_s"].to_numpy()[known] <= horizon_s + 1e-9))
+    return np.array(said)
+
+
 def ahead(study: Study, record: int, sea: Motion, now_s: float) -> tuple[Any, Any, dict[str, float]]:
     """Nodes of the futures, nodes of the truth, and the severity of the last minute."""
     settings = study.settings
@@ -139,36 +178,38 @@ def _name(which: int) -> str:
     return "" if which == NONE else JUDGED[which]
 
 
-def run(study: Study, out: Path) -> pl.DataFrame:
-    """Run what has not been run, and read all rows.
+def run(study: Study, out: Path) -> tuple[pl.DataFrame, pl.DataFrame]:
+    """Run what has not been run, and read all rows: of the starts, and of the rehearsed past.
 
     Raises:
         ConfigurationError: The folder holds rows of another study.
     """
-    folder = out / "rows"
-    folder.mkdir(parents=True, exist_ok=True)
+    kinds = {"rows": chunk_rows, "past": past_rows}
+    for folder in kinds:
+        (out / folder).mkdir(parents=True, exist_ok=True)
     about = out / "study.json"
     if about.is_file() and json.loads(about.read_text(encoding="utf-8"))["identity"] != study.identity:
         raise ConfigurationError(f"{out}: this folder holds rows of another study; give another one.")
     write_text(about, json.dumps({"identity": study.identity, **asdict(study)}, indent=1) + "\n")
     scene = Scene.of(study.settings)
-    frames = []
+    frames: dict[str, list[pl.DataFrame]] = {folder: [] for folder in kinds}
     with progress_bar("monitor study") as advance:
         for first in range(0, study.records, CHUNK):
             records = list(range(first, min(first + CHUNK, study.records)))
-            path = folder / f"{first:04d}-{len(records)}.parquet"
-            if not path.is_file():
-                with whole_file(path) as temporary:
-                    chunk_rows(study, records, scene).write_parquet(temporary)
-            frames.append(pl.read_parquet(path))
+            for folder, made in kinds.items():
+                path = out / folder / f"{first:04d}-{len(records)}.parquet"
+                if not path.is_file():
+                    with whole_file(path) as temporary:
+                        made(study, records, scene).write_parquet(temporary)
+                frames[folder].append(pl.read_parquet(path))
             advance((first + len(records)) / study.records)
-    return pl.concat(frames)
+    return pl.concat(frames["rows"]), pl.concat(frames["past"])
 
 
 # --- figures ----------------------------------------------------------------------------------------------------
 
 
-def summary(study: Study, rows: pl.DataFrame) -> dict[str, Any]:
+def summary(study: Study, rows: pl.DataFrame, past: pl.DataFrame) -> dict[str, Any]:
     """All figures of a study: plain numbers, intervals as three of them."""
     sound = rows.filter(~pl.col("lost"))
     horizons = sorted({h for h in HORIZONS_S if h < study.settings.horizon_s} | {study.settings.horizon_s})
@@ -180,17 +221,20 @@ def summary(study: Study, rows: pl.DataFrame) -> dict[str, Any]:
         "starts": sound.height,
         "lost": rows.height - sound.height,
         "first_limit": dict(met),
-        "horizons": [at_horizon(study, sound, horizon) for horizon in horizons],
+        "horizons": [at_horizon(study, sound, past, horizon) for horizon in horizons],
+        "later": [h for pair in itertools.pairwise([0.0, *horizons]) if (h := later(sound, *pair)) is not None],
     }
 
 
-def at_horizon(study: Study, rows: pl.DataFrame, horizon_s: float) -> dict[str, Any]:
+def at_horizon(study: Study, rows: pl.DataFrame, past: pl.DataFrame, horizon_s: float) -> dict[str, Any]:
     """Figures of one horizon: scores of the monitor and of the rules that it is compared with."""
     said, happened = foreseen(rows, horizon_s)
     records = rows["record"].to_numpy()
     rms = np.log(np.maximum(rows.select("rms_lateral_g", "rms_roll_deg").to_numpy(), 1e-9))
     log_odds = scores.logit(said, study.settings.copies)[:, np.newaxis]
+    rehearsed = rehearsed_past(study, rows, past, horizon_s)
     rules = {
+        "rehearsed_past": rehearsed,
         "base_rate": scores.base_rate(records, rows["sea_state"].to_numpy(), happened),
         "rms_rule": scores.left_out(records, rms, happened),
         "monitor_fitted": scores.left_out(records, log_odds, happened),
@@ -204,6 +248,7 @@ def at_horizon(study: Study, rows: pl.DataFrame, horizon_s: float) -> dict[str, 
     for name, better, worse in (
         ("monitor_over_base_rate", said, rules["base_rate"]),
         ("monitor_over_rms_rule", said, rules["rms_rule"]),
+        ("monitor_over_rehearsed_past", said, rehearsed),
         ("fitted_over_rms_rule", rules["monitor_fitted"], rules["rms_rule"]),
         ("both_over_rms_rule", rules["monitor_and_rms"], rules["rms_rule"]),
     ):
@@ -218,6 +263,34 @@ def at_horizon(study: Study, rows: pl.DataFrame, horizon_s: float) -> dict[str, 
     return told
 
 
+def later(rows: pl.DataFrame, from_s: float, to_s: float) -> dict[str, Any] | None:
+    """Figures of an exceedance between two times, given that there was none before: what each lead is worth alone.
+
+    The monitor's word is the share of its copies among those that are still within the limits at the first time.
+    """
+    first = np.stack(rows["first_s"].to_numpy())
+    still = rows["true_s"].to_numpy() > from_s + 1e-9
+    if not still.any():
+        return None
+    left = np.sum(first > from_s + 1e-9, axis=1)
+    hits = np.sum((first > from_s + 1e-9) & (first <= to_s + 1e-9), axis=1)
+    said = ((hits + 0.5) / (left + 1.0))[still]
+    happened = (rows["true_s"].to_numpy() <= to_s + 1e-9).astype(float)[still]
+    records = rows["record"].to_numpy()[still]
+    rms = np.log(np.maximum(rows.select("rms_lateral_g", "rms_roll_deg").to_numpy(), 1e-9))[still]
+    rule = scores.left_out(records, rms, happened)
+    return {
+        "from_s": from_s,
+        "to_s": to_s,
+        "starts": int(np.sum(still)),
+        "happened": float(np.mean(happened)),
+        "said": float(np.mean(said)),
+        "brier_monitor": _three(scores.by_records(records, lambda k: scores.brier(said[k], happened[k]))),
+        "brier_rms_rule": _three(scores.by_records(records, lambda k: scores.brier(rule[k], happened[k]))),
+        "skill_over_rms_rule": _three(scores.by_records(records, scores.skill(said, rule, happened))),
+    }
+
+
 def foreseen(rows: pl.DataFrame, horizon_s: float) -> tuple[Any, Any]:
     """Share of the copies that exceed a limit within a horizon, and whether the truth has, (n,) each."""
     first = np.stack(rows["first_s"].to_numpy())
@@ -226,66 +299,6 @@ def foreseen(rows: pl.DataFrame, horizon_s: float) -> tuple[Any, Any]:
 
 def _three(estimate: Estimate) -> list[float | None]:
     return [None if math.isnan(value) else value for value in (estimate.value, estimate.low, estimate.high)]
-
-
-def _words(three: list[float | None], digits: int) -> str:
-    value, low, high = ("-" if number is None else f"{number:.{digits}f}" for number in three)
-    return f"{value} ({low} to {high})"
-
-
-def tables(told: dict[str, Any]) -> str:
-    """The figures as Markdown."""
-    lines = [
-        "| Horizon [s] | exceeded / foreseen | Brier: monitor | base rate | RMS rule | skill over base rate "
-        "| skill over RMS rule | both together over RMS rule |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for h in told["horizons"]:
-        cells = [h[f"brier_{name}"] for name in ("monitor", "base_rate", "rms_rule")]
-        skills = [h[f"skill_{n}"] for n in ("monitor_over_base_rate", "monitor_over_rms_rule", "both_over_rms_rule")]
-        words = [f"{h['horizon_s']:g}", f"{h['happened']:.3f} / {h['said']:.3f}"]
-        words += [_words(cell, 3) for cell in cells]
-        words += [_words(cell, 2) for cell in skills]
-        lines.append("| " + " | ".join(words) + " |")
-    lines += ["", "| Foreseen, 45 s | starts | exceeded |", "|---|---|---|"]
-    for b in told["horizons"][-1]["reliability"]:
-        happened = b["happened"]
-        lines.append(
-            f"| {b['said']:.2f} | {b['count']} | {happened['value']:.2f} ({happened['low']:.2f} to "
-            f"{happened['high']:.2f}) |"
-        )
-    return "\n".join(lines) + "\n"
-
-
-def picture(told: dict[str, Any], path: Path) -> None:
-    """Reliability at every horizon, with counts."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    count = len(told["horizons"])
-    figure, axes = plt.subplots(2, count, figsize=(3.0 * count, 4.6), height_ratios=(3, 1), squeeze=False)
-    for (top, below), h in zip(axes.T, told["horizons"], strict=True):
-        top.plot([0, 1], [0, 1], color="0.6", linewidth=1)
-        for key, label, colour in (
-            ("reliability", "monitor", "tab:blue"),
-            ("reliability_rms_rule", "RMS rule", "tab:orange"),
-        ):
-            said = [b["said"] for b in h[key]]
-            value = np.array([[b["happened"][k] for k in ("value", "low", "high")] for b in h[key]])
-            error = np.maximum(np.abs(value[:, 1:] - value[:, :1]).T, 0.0)
-            top.errorbar(said, value[:, 0], error, marker="o", markersize=3, linewidth=1, color=colour, label=label)
-        top.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02), title=f"within {h['horizon_s']:g} s", aspect="equal")
-        below.bar([b["said"] for b in h["reliability"]], [b["count"] for b in h["reliability"]], 0.06, log=True)
-        below.set(xlim=(-0.02, 1.02), xlabel="foreseen")
-    axes[0, 0].set_ylabel("exceeded")
-    axes[0, 0].legend(loc="upper left", fontsize="small")
-    axes[1, 0].set_ylabel("starts")
-    figure.tight_layout()
-    with whole_file(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=110)
-    plt.close(figure)
 
 
 def main(
@@ -300,8 +313,7 @@ def main(
         study: What is run.
         plot: PNG with the reliability curves.
     """
-    rows = run(study, out)
-    told = summary(study, rows)
+    told = summary(study, *run(study, out))
     write_text(out / "summary.json", json.dumps(told, indent=1) + "\n")
     write_text(out / "tables.md", tables(told))
     if plot is not None:

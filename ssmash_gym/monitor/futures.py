@@ -58,18 +58,19 @@ class DeckModel:
         larger = math.sqrt(len(errors) / max(len(errors) - order, 1))
         return cls(model, larger * (errors - np.mean(errors, axis=0)), past)
 
-    def sample(self, copies: int, count: int, rng: np.random.Generator) -> FloatArray:
+    def sample(self, copies: int, count: int, rng: np.random.Generator, run: int = RUN) -> FloatArray:
         """The forecast and sampled futures that follow the past.
 
         Args:
             copies: How many futures.
             count: Samples ahead.
             rng: Where the errors' times come from.
+            run: Consecutive errors drawn together.
 
         Returns:
             (1 + copies, count, 6): the forecast, then the futures; units of the past.
         """
-        chosen = self.errors[error_times(len(self.errors), copies, count, rng)]  # (copies, count, 6)
+        chosen = self.errors[error_times(len(self.errors), copies, count, rng, run)]  # (copies, count, 6)
         added = np.concatenate([np.zeros((1, count, N_CHANNELS)), chosen])
         order = self.model.order
         newest_last = np.zeros((order + count, 1 + copies, N_CHANNELS))
@@ -81,9 +82,11 @@ class DeckModel:
         return np.asarray(np.moveaxis(newest_last[order:], 0, 1) + self.model.mean)
 
 
-def error_times(available: int, copies: int, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+def error_times(
+    available: int, copies: int, count: int, rng: np.random.Generator, longest: int = RUN
+) -> NDArray[np.int64]:
     """Which past errors drive each future: runs of consecutive ones, (copies, count)."""
-    run = max(1, min(RUN, available // 4))
+    run = max(1, min(longest, available // 4))
     runs = math.ceil(count / run)
     starts = rng.integers(available - run + 1, size=(copies, runs))
     return np.asarray((starts[..., np.newaxis] + np.arange(run)).reshape(copies, -1)[:, :count])

@@ -16,6 +16,7 @@ RESAMPLES: Final = 2000
 LEVEL_PERCENT: Final = 95.0
 BINS: Final = 10
 RIDGE: Final = 0.1  # on the standardised weights of the logistic rule: finite where classes can be told apart exactly
+_UNDECIDED: Final = 0.5  # where there is no other record
 _SURE: Final = 0.5  # of a copy: what a share of 0 or 1 of the copies is moved by before it becomes a logit
 
 
@@ -80,7 +81,8 @@ def base_rate(records: NDArray[np.int64], cells: ArrayLike, happened: FloatArray
     for k in range(len(records)):
         others = records != records[k]
         same = others & (groups == groups[k])
-        said[k] = np.mean(happened[same if same.any() else others])
+        known = happened[same if same.any() else others]
+        said[k] = np.mean(known) if known.size else _UNDECIDED
     return said
 
 
@@ -95,7 +97,7 @@ def left_out(records: NDArray[np.int64], features: FloatArray, happened: FloatAr
     said = np.zeros(len(records))
     for record in np.unique(records):
         own = records == record
-        said[own] = _logistic(features[~own], happened[~own], features[own])
+        said[own] = _UNDECIDED if own.all() else _logistic(features[~own], happened[~own], features[own])
     return said
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import os
 import statistics
 import sys
 import time
@@ -85,9 +87,8 @@ def monitor(
             for answer in answers(watching, _again(first, source), pace, took):
                 write_line(sys.stdout, answer.record())
                 show(answer)
-    except BrokenPipeError:  # whoever read the answers has gone
-        sys.stderr.close()
-        return
+    except BrokenPipeError:  # whoever read the answers has gone: nothing is left to be said, not even at the exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     finally:
         _tell(took)
 
@@ -109,10 +110,14 @@ def answers(
         clock: The clock on the wall [s].
     """
     heard = told = clock()
+    lateness = Lateness()
     accepted = watching.intake.accepted
     for lines in source:
         began = clock()
         for answer in watching.feed(lines, newest_only=pace == "live"):
+            late_s = lateness.of(began, watching.intake.newest_s, watching.intake.epoch) if pace == "live" else 0.0
+            if late_s > watching.settings.silence_s:
+                answer = watching.late(late_s)
             if answer.status == OK:
                 took.append(clock() - began)
             yield answer
@@ -126,6 +131,29 @@ def answers(
     last = watching.finish()
     if last is not None:
         yield last
+
+
+class Lateness:
+    """How much later samples come than they did at best, by their own clock: a lag that only grows by being late."""
+
+    def __init__(self) -> None:
+        self._epoch = -1
+        self._best_s = math.inf
+
+    def of(self, wall_s: float, deck_s: float, epoch: int) -> float:
+        """Seconds by which the newest sample is late; a fresh past begins to count anew.
+
+        Args:
+            wall_s: When it was read [s].
+            deck_s: Its own time [s]; nan where there is none.
+            epoch: Of the past.
+        """
+        if math.isnan(deck_s):
+            return 0.0
+        if epoch != self._epoch:
+            self._epoch, self._best_s = epoch, math.inf
+        self._best_s = min(self._best_s, wall_s - deck_s)
+        return wall_s - deck_s - self._best_s
 
 
 def write_line(file: TextIO, record: dict[str, Any]) -> None:

@@ -138,6 +138,14 @@ class Monitor:
         told = f" (last: {fault})" if fault else ""
         return self._unknown(self.intake.clock_s, f"no usable sample for {silence_s:.0f} s{told}")
 
+    def late(self, late_s: float) -> Answer:
+        """The answer while samples come late.
+
+        Args:
+            late_s: By how much [s].
+        """
+        return self._unknown(self.intake.clock_s, f"samples come {late_s:.1f} s later than they did")
+
     def finish(self) -> Answer | None:
         """What is left to say at the end of the input: that its last rows could not be used, if so."""
         fault = self.intake.latest_fault

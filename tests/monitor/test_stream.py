@@ -96,6 +96,17 @@ def test_bad_rows_do_not_end_silence() -> None:
     assert all(a.status == "unknown" for a in found)
 
 
+def test_samples_that_come_ever_later_are_no_present() -> None:
+    """A clock of the deck that goes at half the speed of the wall's: nothing is missing, and all of it is old."""
+    monitor = Monitor(quick())
+    list(monitor.feed(lines()[:140]))
+    source, clock = ticking(iter([[line] for line in lines()[140:]]), 0.4)
+    found = list(answers(monitor, source, "live", [], clock))  # type: ignore[arg-type]
+    assert found[0].status == "ok"
+    assert found[-1].status == "unknown"
+    assert "later than they did" in (found[-1].reason or "")
+
+
 def test_a_live_input_is_answered_as_it_grows(tmp_path: Path) -> None:
     path = tmp_path / "deck.csv"
     path.write_text("\n".join(lines()[:150]) + "\n")

@@ -22,18 +22,20 @@ def test_a_small_study_runs_goes_on_where_it_was_and_tells_its_figures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(monitor_study, "CHUNK", 2)
-    first = run(replace(SMALL, records=2), tmp_path)
+    first, _ = run(replace(SMALL, records=2), tmp_path)
     kept = next((tmp_path / "rows").glob("0000-2.parquet")).read_bytes()
-    rows = run(SMALL, tmp_path)
+    rows, past = run(SMALL, tmp_path)
     assert (tmp_path / "rows" / "0000-2.parquet").read_bytes() == kept
     assert rows.head(first.height).equals(first)
     assert rows.height == 6
-    told = summary(SMALL, rows)
+    assert past["start_s"].max() == 60.0 + 12.0 - 6.0 - 1.0  # earlier starts whose outcome is known at the last start
+    told = summary(SMALL, rows, past)
     json.dumps(told)
     assert [h["horizon_s"] for h in told["horizons"]] == [5.0, 6.0]
     for h in told["horizons"]:
         assert sum(b["count"] for b in h["reliability"]) == told["starts"]
         assert 0.0 <= h["brier_monitor"][0] <= 1.0
+    assert told["later"][0]["starts"] == told["starts"]
     assert "| 6 |" in tables(told)
     picture(told, tmp_path / "curve.png")
     assert (tmp_path / "curve.png").read_bytes().startswith(b"\x89PNG")
