@@ -62,7 +62,7 @@ class Study:
     """
 
     seed: int = 20
-    records: int = 100
+    records: int = 110
     starts: int = 10
     every_s: float = 50.0
     settings: Settings = field(default_factory=lambda: Settings(limits=LIMITS))

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.envs import limits
-from ssmash_gym.envs.step import StepResult
 from ssmash_gym.ship.kinematics import FloatArray
 from ssmash_gym.ship.motion import Signal
 from ssmash_gym.ship.quiescence import QUANTITIES
@@ -20,27 +19,22 @@ SECURED: Final = tuple(name for name in limits.LIMITS if name != "corridor")  # 
 NONE: Final = -1
 
 
-def judged(result: StepResult, grace_steps: int, steps: int) -> NDArray[np.int64]:
-    """Which limit each helicopter of a control interval has exceeded, (m,): its place in `JUDGED`, or `NONE`.
+def judged(
+    margins: Mapping[str, FloatArray], failed: NDArray[np.bool_], counted: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Which limit each helicopter has exceeded within an interval, (n,): its place in `JUDGED`, or `NONE`.
 
     A margin below zero counts once the task's grace is over, a failure always. Of several limits the one that is
     exceeded furthest, in shares of itself, is told.
 
     Args:
-        result: Of the interval.
-        grace_steps: Control intervals that do not count.
-        steps: Control intervals since the start, this one included.
+        margins: Margin of each of `envs.limits.LIMITS`, (n,) each.
+        failed: Whether the traverse has ended otherwise than by its goal or its time, (n,).
+        counted: Whether the grace is over, (n,).
     """
-    which = np.full(len(result.columns), NONE)
-    if steps > grace_steps:
-        table = np.stack([result.margins[name] for name in limits.LIMITS])
-        least = np.argmin(table, axis=0)
-        which = np.where(np.min(table, axis=0) < 0.0, least, NONE)
-    for i, column in enumerate(result.columns.tolist()):
-        ending = result.endings.get(column)
-        if ending is not None and limits.failed(ending["reason"]) and which[i] == NONE:
-            which[i] = JUDGED.index(FAILURE)
-    return np.asarray(which, dtype=np.int64)
+    table = np.stack([margins[name] for name in limits.LIMITS])
+    beyond = counted & (np.min(table, axis=0) < 0.0)
+    return np.where(beyond, np.argmin(table, axis=0), np.where(failed, JUDGED.index(FAILURE), NONE))
 
 
 def deck_margins(signal: Signal, deck_limits: Mapping[str, float]) -> dict[str, float]:

@@ -199,6 +199,7 @@ class Copies:
             count, task=scene.task, scenario=scene.scenario, helicopter=scene.helicopter, threads=threads
         )
         self._core.starter = self._handover
+        self._half_spread = half_spread(self._handover.helicopter)
 
     def drive(self, present: Snapshot, of: Columns, nodes: FloatArray, horizon_s: float) -> Rehearsed:
         """Start all copies now and drive each until it exceeds a limit, reaches the goal, or the horizon is over.
@@ -214,17 +215,43 @@ class Copies:
         seeds: list[Any] = [0] * count
         observations = core.reset(seeds=seeds, draws=self._draws).copy()
         self._policy.reset(count)
-        grace, interval = core.task.grace_steps, core.control_interval_s
         first_s, limit = np.full(count, np.inf), np.full(count, NONE)
         running = np.arange(count)
-        for step in range(1, round(horizon_s / interval) + 1):
+        for step in range(1, round(horizon_s / core.control_interval_s) + 1):
             actions = self._policy.act(observations)  # of all rows: a policy may remember each
-            result = core.step(actions[running], running)
-            observations[running] = result.observation
-            which = judged(result, grace, step)
+            reading = self._advanced(np.asarray(actions[running], dtype=np.float64), running, step)
+            margins = limits.margins(reading)
+            conditions = limits.endings(reading, margins)
+            failed = np.any([flags for name, flags in conditions.items() if limits.failed(name)], axis=0)
+            which = judged(margins, failed, reading.counted)
             over = which != NONE
-            first_s[running[over]], limit[running[over]] = step * interval, which[over]
-            running = running[~(over | result.terminated | result.truncated)]
+            first_s[running[over]], limit[running[over]] = step * core.control_interval_s, which[over]
+            observations[running] = self._observed(reading, running)
+            running = running[~(over | conditions[limits.GOAL])]
             if not running.size:
                 break
         return Rehearsed(first_s, np.asarray(limit, dtype=np.int64))
+
+    def _advanced(self, actions: FloatArray, running: Columns, step: int) -> Reading:
+        """One control interval of the running copies: `TraverseBatch.step` without rewards and metrics."""
+        core, book = self._core, self._core.book
+        previous = book.command[running]
+        commands = np.clip(actions, -1.0, 1.0)
+        core.batch.advance(commands, None if running.size == core.n else running)
+        telemetry, bad = columns_of(core.batch.telemetry, running)
+        steps = np.full(running.size, step)
+        reading = Reading(
+            task=core.task, telemetry=telemetry, steps=steps, counted=steps > core.task.grace_steps, command=commands,
+            previous=previous, held_before=book.held[running], peak_before_N=book.peak_probe_N[running],
+            broken=bad | core.batch.diverged[running], half_spread_m=self._half_spread, limit_steps=core.limit_steps,
+        )  # fmt: skip
+        book.command[running] = commands
+        book.held[running] = reading.held
+        book.peak_probe_N[running] = reading.episode_peak_N
+        return reading
+
+    def _observed(self, reading: Reading, running: Columns) -> NDArray[np.float32]:
+        scaled = self._core.observer.scaled(reading)
+        if self._core.task.history is not None:
+            self._core.sensors.read(running, scaled)
+        return self._core.observer.observation(scaled)[0]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ssmash_gym.envs.limits import LIMITS
-from ssmash_gym.envs.step import StepResult
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.monitor import Monitor
 from ssmash_gym.monitor.judging import FAILURE, JUDGED, NONE, judged
@@ -48,23 +47,36 @@ def test_the_time_of_the_first_exceedance_and_its_limit_are_kept() -> None:
     assert found.exceeded(20.0).all() and not found.exceeded(found.first_s[0] - 0.1).any()
 
 
-def result(margins: dict[str, list[float]], endings: dict[int, dict[str, object]]) -> StepResult:
-    n = 3
-    blank = np.zeros(n)
-    full = {name: np.array(margins.get(name, [1.0] * n)) for name in LIMITS}
-    return StepResult(
-        np.arange(n), np.zeros((n, 1), np.float32), blank, blank > 0, blank > 0, blank, {}, full, {}, blank,
-        np.zeros(n, np.int64), blank, endings,
-    )  # fmt: skip
+def test_copies_do_what_the_task_does() -> None:
+    """Without rewards and metrics, and bit for bit the same motion, commands and margins."""
+    settings = quick(policy="linear", horizon_s=8.0, limits={"probe_in_plane_kN": 70.0, "lift_off_kN": 0.0})
+    scene = Scene.of(settings)
+    shadow = Shadow(scene)
+    shadow.advance(piece(0.0, 12.0, ramp_s=8.0).nodes[np.newaxis], 120)
+    nodes = np.stack([piece(12.0, 8.0).nodes, motion(rough=True, seed=9).bake(8.0).nodes])
+    copies = Copies(scene, 2, 1)
+    copies.drive(shadow.snapshot(), np.zeros(2, np.int64), nodes, 8.0)
+    task = Copies(scene, 2, 1)
+    task._handover.hand(shadow.snapshot(), np.zeros(2, np.int64), nodes)
+    policy = scene.policy
+    seen = task._core.reset(seeds=[0, 0], draws=[scene.draw] * 2).copy()
+    policy.reset(2)
+    for _ in range(80):
+        seen = task._core.step(policy.act(seen)).observation
+    np.testing.assert_array_equal(copies._core.batch.state, task._core.batch.state)
+    np.testing.assert_array_equal(copies._core.book.peak_probe_N, task._core.book.peak_probe_N)
+    assert np.ptp(task._core.batch.telemetry["claw_y"]) > 0.0
 
 
 def test_judging_tells_the_limit_exceeded_furthest_and_every_failure() -> None:
-    made = result({"probe_in_plane": [0.5, -0.1, 0.2], "roll": [0.1, -0.3, 0.9]}, {2: {"reason": "divergence"}})
-    names = [JUDGED[k] if k != NONE else None for k in judged(made, 10, 11)]
-    assert names == [None, "roll", FAILURE]
-    assert [JUDGED[k] if k != NONE else None for k in judged(made, 10, 10)] == [None, None, FAILURE]
-    goal = result({}, {0: {"reason": "goal"}, 1: {"reason": "time"}})
-    assert (judged(goal, 10, 20) == NONE).all()
+    margins = {name: np.ones(4) for name in LIMITS}
+    margins["probe_in_plane"] = np.array([0.5, -0.1, 0.2, 0.1])
+    margins["roll"] = np.array([0.1, -0.3, 0.9, 0.5])
+    failed = np.array([False, False, True, False])
+    found = judged(margins, failed, np.ones(4, np.bool_))
+    assert [JUDGED[k] if k != NONE else None for k in found] == [None, "roll", FAILURE, None]
+    within_grace = judged(margins, failed, np.zeros(4, np.bool_))
+    assert [JUDGED[k] if k != NONE else None for k in within_grace] == [None, None, FAILURE, None]
 
 
 @pytest.mark.parametrize(
