@@ -23,7 +23,7 @@ import tyro
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
-from ssmash_gym.evaluation.statistics import Estimate
+from ssmash_gym.evaluation.statistics import Estimate, share
 from ssmash_gym.files import whole_file, write_text
 from ssmash_gym.monitor import Settings, scores
 from ssmash_gym.monitor.futures import DeckModel, future_nodes, samples_ahead
@@ -253,6 +253,8 @@ def at_horizon(study: Study, rows: pl.DataFrame, past: pl.DataFrame, horizon_s: 
         ("both_over_rms_rule", rules["monitor_and_rms"], rules["rms_rule"]),
     ):
         told[f"skill_{name}"] = _three(scores.by_records(records, scores.skill(better, worse, happened)))
+    calm = said == 0.0
+    told["no_copy"] = [int(np.sum(calm)), *_three(share(happened[calm]))] if calm.any() else [0, None, None, None]
     told["reliability"] = [asdict(b) for b in scores.reliability(said, happened)]
     told["reliability_rms_rule"] = [asdict(b) for b in scores.reliability(rules["rms_rule"], happened)]
     told["by_sea_state"] = {

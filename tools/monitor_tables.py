@@ -33,10 +33,17 @@ def tables(told: dict[str, Any]) -> str:
     for h in told["horizons"]:
         briers = [h[f"brier_{name}"] for name in ("monitor", "base_rate", "rms_rule", "rehearsed_past")]
         lines.append(row(f"{h['horizon_s']:g}", _shares(h), *(_words(three, 3) for three in briers)))
-    lines += ["", "| Horizon [s] | skill over base rate | over RMS rule | over rehearsed past |", "|---|---|---|---|"]
+    lines += [
+        "",
+        "| Horizon [s] | skill over base rate | over RMS rule | over rehearsed past | starts without an exceeding copy "
+        "| exceeded |",
+        "|---|---|---|---|---|---|",
+    ]
     for h in told["horizons"]:
         skills = [h[f"skill_monitor_over_{name}"] for name in ("base_rate", "rms_rule", "rehearsed_past")]
-        lines.append(row(f"{h['horizon_s']:g}", *(_words(three, 2) for three in skills)))
+        count, *happened = h["no_copy"]
+        words = [_words(three, 2) for three in skills]
+        lines.append(row(f"{h['horizon_s']:g}", *words, count, _words(happened, 3)))
     lines += [
         "",
         "| Between [s], none before | starts | exceeded / foreseen | Brier: monitor | RMS rule | skill over RMS rule |",
@@ -61,6 +68,7 @@ def picture(told: dict[str, Any], path: Path) -> None:
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     count = len(told["horizons"])
     figure, axes = plt.subplots(2, count, figsize=(3.0 * count, 4.6), height_ratios=(3, 1), squeeze=False)
@@ -76,7 +84,8 @@ def picture(told: dict[str, Any], path: Path) -> None:
             top.errorbar(said, value[:, 0], error, marker="o", markersize=3, linewidth=1, color=colour, label=label)
         top.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02), title=f"within {h['horizon_s']:g} s", aspect="equal")
         below.bar([b["said"] for b in h["reliability"]], [b["count"] for b in h["reliability"]], 0.06, log=True)
-        below.set(xlim=(-0.02, 1.02), xlabel="foreseen")
+        below.set(xlim=(-0.02, 1.02), ylim=(1.0, None), xlabel="foreseen")
+        below.yaxis.set_minor_formatter(NullFormatter())
     axes[0, 0].set_ylabel("exceeded")
     axes[0, 0].legend(loc="upper left", fontsize="small")
     axes[1, 0].set_ylabel("starts")

@@ -80,6 +80,7 @@ def monitor(
     source = batches(follow, pace)
     first = next(source, [])  # a file that is not there is refused before anything is written
     watching = Monitor(settings)
+    watching.warm_up()
     write_line(sys.stdout, watching.header())
     took: list[float] = []
     try:

@@ -21,7 +21,7 @@ from ssmash_gym.monitor.rehearsal import Copies, Rehearsed, Scene, Shadow
 from ssmash_gym.monitor.settings import ANSWER_S, SPACING_S, SUBSTEP_S, Settings
 from ssmash_gym.ship.forecast import ORDER
 from ssmash_gym.ship.kinematics import FloatArray
-from ssmash_gym.ship.motion import DEFAULT_SPACING_S, Signal, smootherstep
+from ssmash_gym.ship.motion import DEFAULT_SPACING_S, N_CHANNELS, Signal, smootherstep
 from ssmash_gym.ship.quiescence import SHORTEST_S
 
 OK: Final = "ok"
@@ -104,6 +104,13 @@ class Monitor:
             "quiet_shortest_s": SHORTEST_S,
             "versions": {"ssmash_gym": ssmash_gym.__version__, **{name: installed(name) for name in LIBRARIES}},
         }
+
+    def warm_up(self) -> None:
+        """Make an answer about a level deck and throw it away: what is loaded for the first one is there then."""
+        past = np.zeros((2 * ORDER, N_CHANNELS))
+        futures = DeckModel.fit(past).sample(self.settings.copies, samples_ahead(ANSWER_S), np.random.default_rng(0))
+        nodes = future_nodes(past, futures[1:], _NODES + 1)
+        self._risk(self._copies.drive(self._shadow.snapshot(), self._of, nodes, ANSWER_S))
 
     # --- samples -------------------------------------------------------------------------------------------
 

@@ -145,6 +145,12 @@ def test_a_motion_that_breaks_the_probe_is_unknown_and_not_calm() -> None:
     assert not any(r["status"] == "ok" and r["p_exceed"] < 0.9 for r in records)
 
 
+def test_warming_up_changes_no_answer() -> None:
+    monitor = Monitor(quick())
+    monitor.warm_up()
+    assert [answer.record() for answer in monitor.feed(lines(rough=True))] == list(told(rough=True))
+
+
 def test_the_header_tells_what_was_asked_for() -> None:
     header = Monitor(quick()).header()
     assert json.loads(json.dumps(header, allow_nan=False)) == header
