@@ -9,7 +9,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any, Final, TextIO
 
 import tyro
 
@@ -17,6 +17,8 @@ from ssmash_gym.monitor.settings import ANSWER_S, Settings
 from ssmash_gym.monitor.stream import Pace, batches
 from ssmash_gym.monitor.view import live_view
 from ssmash_gym.monitor.watch import OK, Answer, Monitor
+
+DRIFT: Final = 1e-3  # seconds a second by which the clocks of the wall and the deck may go apart
 
 
 def monitor(
@@ -135,11 +137,15 @@ def answers(
 
 
 class Lateness:
-    """How much later samples come than they did at best, by their own clock: a lag that only grows by being late."""
+    """How much later samples come, by their own clock, than they did at best.
+
+    Two clocks may drift apart by `DRIFT`; so a lag that does not grow is forgotten in the course of many minutes.
+    """
 
     def __init__(self) -> None:
         self._epoch = -1
         self._best_s = math.inf
+        self._before_s = math.inf
 
     def of(self, wall_s: float, deck_s: float, epoch: int) -> float:
         """Seconds by which the newest sample is late; a fresh past begins to count anew.
@@ -153,7 +159,8 @@ class Lateness:
             return 0.0
         if epoch != self._epoch:
             self._epoch, self._best_s = epoch, math.inf
-        self._best_s = min(self._best_s, wall_s - deck_s)
+        drifted_s = DRIFT * max(0.0, wall_s - self._before_s)
+        self._best_s, self._before_s = min(self._best_s + drifted_s, wall_s - deck_s), wall_s
         return wall_s - deck_s - self._best_s
 
 

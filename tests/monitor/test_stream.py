@@ -14,7 +14,7 @@ from ssmash_gym.cli import main
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.monitor import Monitor
 from ssmash_gym.monitor.stream import LONGEST_LINE, Lines, batches
-from ssmash_gym.monitor.verb import answers
+from ssmash_gym.monitor.verb import Lateness, answers
 from ssmash_gym.monitor.view import picture
 from tests.monitor.decks import lines, quick
 
@@ -105,6 +105,15 @@ def test_samples_that_come_ever_later_are_no_present() -> None:
     assert found[0].status == "ok"
     assert found[-1].status == "unknown"
     assert "later than they did" in (found[-1].reason or "")
+
+
+def test_clocks_that_drift_are_not_late_and_a_steady_lag_is_forgotten_in_time() -> None:
+    lateness = Lateness()
+    assert all(lateness.of(1000.0 + 1.0005 * t, float(t), 0) < 1e-6 for t in range(36000))
+    assert lateness.of(1000.0 + 1.0005 * 36000 + 3.0, 36000.0, 0) == pytest.approx(3.0, abs=0.01)
+    lags = [lateness.of(1003.0 + 1.0005 * t, float(t), 0) for t in range(36001, 38000)]
+    assert lags[60] > 2.9 and lags[-1] < 2.1
+    assert lateness.of(5000.0, 0.0, 1) == 0.0  # a fresh past
 
 
 def test_a_live_input_is_answered_as_it_grows(tmp_path: Path) -> None:
