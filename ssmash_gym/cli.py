@@ -60,6 +60,9 @@ VERBS = {
     "ship-motion": Verb(
         "Write a ship's motion in a seaway: record, figures, picture", "ssmash_gym.ship_motion:ship_motion"
     ),
+    "monitor": Verb(
+        "Watch a deck's motion: margin, next quiet window, risk of starting now", "ssmash_gym.monitor.verb:monitor"
+    ),
     "info": Verb("Show versions, the kernel cache and the catalogue", "ssmash_gym.info:info"),
 }
 
