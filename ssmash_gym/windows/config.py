@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
-from ssmash_gym.envs.loading import read
+from ssmash_gym.envs.loading import BASE_KEY, merged, read
 from ssmash_gym.errors import shown
 from ssmash_gym.sections import validated
 from ssmash_gym.ship.sea import SEA_STATES
@@ -154,10 +154,15 @@ class WindowConfig(Section):
 def load_window(window: str | Path | Mapping[str, Any]) -> WindowConfig:
     """Load a window: a name in ``configs/windows``, a YAML file, or a ready document.
 
+    A file may have the key ``base``, the name or file of another window that its other keys change, key by key.
+
     Raises:
         ConfigurationError: Unknown name or key, or a value that is not allowed; one sentence.
     """
     if isinstance(window, Mapping):
         return validated(WindowConfig, window, "window")
     document, source = read("windows", window)
+    if BASE_KEY in document:
+        base, _ = read("windows", str(document.pop(BASE_KEY)))
+        document = merged(base, document)
     return validated(WindowConfig, document, source)
