@@ -1,0 +1,130 @@
+"""The report of a window that has been run, judged by its own limits or by others; films of its episodes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+
+from ssmash_gym import cli
+from ssmash_gym.document import write_yaml
+from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.windows.config import load_window
+from ssmash_gym.windows.criteria import CRITERIA
+from ssmash_gym.windows.engines import Threads
+from ssmash_gym.windows.film import film_cell
+from ssmash_gym.windows.report import CELLS, REPORT, write_report
+from ssmash_gym.windows.rows import read_document, read_rows, write_document
+from ssmash_gym.windows.sweep import prepared, run_sweep
+from ssmash_gym.windows.verdicts import cells_of, judged_rows
+
+DOCUMENT: dict[str, Any] = {
+    "description": "A small one.", "seed": 5, "scenario": "ss5", "stages": ["traverse", "secured"],
+    "task": {
+        "base": "traverse", "horizon_s": 3.0, "grace_s": 0.5, "track": {"goal_x_m": 0.4},
+        "lead_in": {"duration_s": 1.0, "ramp_s": 1.0},
+    },
+    "policies": ["trapezoid", "linear"], "axes": {"sea_state": [3, 6], "waves_from_deg": [0, 90, 180]},
+    "limits": {"probe_in_plane_kN": 5.0, "least_station_kN": 2.0}, "must_arrive": False,
+    "effort": {"seeds": 3, "most": 3},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("window")
+    run_sweep(prepared(load_window(DOCUMENT), "small"), out, Threads(2), shown=False)
+    return out
+
+
+def test_the_report_stands_on_the_rows_alone(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ssmash_gym.windows.chunks.Worker.run", None)  # nothing is run
+    page = write_report(folder).read_text()
+    cells = pl.read_csv(folder / REPORT / CELLS)
+    assert cells.height == 2 * 6 + 6 and set(cells["verdict"]) <= {"within", "beyond", "undecided"}
+    names = {path.name for path in (folder / REPORT).iterdir()}
+    assert {"placard_traverse.svg", "placard_secured.svg", "difference_traverse.svg"} <= names
+    assert "difference_secured.svg" not in names  # one policy: nothing to compare
+    told = read_document(folder)
+    assert told["configuration"] in page and not re.search(r"(src|href)=.https?:", page)
+    assert write_report(folder).read_text() == page
+
+
+def test_cells_count_what_rows_say(folder: Path) -> None:
+    told = read_document(folder)
+    rows = judged_rows(read_rows(folder), told)
+    cells = cells_of(rows, told)
+    for row in cells.iter_rows(named=True):
+        own = rows.filter(
+            pl.col("stage") == row["stage"], pl.col("policy") == row["policy"], pl.col("cell") == row["cell"]
+        )
+        beyond = (own["peak_probe_kN"] > 5.0) | (own["least_station_kN"] < 2.0) | own["failed"]
+        assert row["exceeded"] == beyond.sum() and row["episodes"] == 3
+        use = own["peak_probe_kN"] / 5.0
+        lift = 2.0 - own["least_station_kN"] / 2.0
+        worst = max(zip(use, lift, own["seed"], strict=True), key=lambda one: max(one[:2]))
+        assert row["worst_use"] == pytest.approx(max(worst[:2])) and row["worst_seed"] == worst[2]
+        assert row["low"] <= row["share"] <= row["high"]
+
+
+def test_other_limits_judge_the_same_rows(folder: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.yaml"
+    other.write_text(write_yaml({**DOCUMENT, "limits": {"probe_in_plane_kN": 1e6}, "acceptance": 0.5}))
+    page = write_report(folder, limits=str(other)).read_text()
+    cells = pl.read_csv(folder / REPORT / CELLS)
+    assert "over_least_station_kN" not in cells.columns
+    lost = read_rows(folder).group_by("stage", "policy", "cell").agg(pl.col("failed").sum())
+    assert cells["exceeded"].sum() == lost["failed"].sum()
+    assert "Judged by the limits of" in page
+
+
+def test_the_film_is_the_episode_that_was_judged(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pygame")
+    pytest.importorskip("imageio_ffmpeg")
+    path = film_cell(folder, 4, ("linear",), "traverse")
+    assert path.read_bytes()[4:8] == b"ftyp"
+    stamp = path.stat().st_mtime_ns
+    assert film_cell(folder, 4, ("linear",), "traverse") == path and path.stat().st_mtime_ns == stamp
+    for words, told in (
+        ((99, ("linear",), "traverse"), "--cell 99"),
+        ((4, ("hold",), "traverse"), "its policies are linear, trapezoid"),
+        ((4, (), "flying"), "--stage flying"),
+        ((None, ("linear",), "traverse"), "needs one --cell"),
+    ):
+        with pytest.raises(ConfigurationError, match=re.escape(told)):
+            film_cell(folder, *words)
+    changed = read_document(folder)
+    changed["policies"]["trapezoid"]["identities"]["traverse"] = "another"
+    kept = read_document(folder)
+    write_document(folder, changed)
+    try:
+        with pytest.raises(ConfigurationError, match="trapezoid in traverse cannot be filmed"):
+            film_cell(folder, 4, ("trapezoid",), "traverse")
+    finally:
+        write_document(folder, kept)
+
+
+def test_what_cannot_be_reported_is_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    write_document(tmp_path, {"name": "empty", "stages": {}, "limits": {}})
+    assert cli.main(["window", "--report", str(tmp_path)]) == 1
+    assert "no episode has been run there yet" in capfd.readouterr().err
+    (tmp_path / "window.json").write_text("{")
+    assert cli.main(["window", "--report", str(tmp_path)]) == 1
+    assert "the window's record cannot be read" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "name", ["frigate_traverse", "frigate_flight_criteria", "frigate_secured", "frigate_touchdown"]
+)
+def test_shipped_windows_can_be_run(name: str) -> None:
+    config = load_window(name)
+    assert set(config.figures) <= set(CRITERIA)
+    prepared(config, name)
+
+
+def test_a_base_is_changed_key_by_key() -> None:
+    base, criteria = load_window("frigate_traverse"), load_window("frigate_flight_criteria")
+    assert base.figures.items() < criteria.figures.items() and base.axes == criteria.axes
