@@ -39,6 +39,7 @@ class Intake:
         malformed: Rows that could not be used so far.
         accepted: Usable samples so far.
         epoch: How often the past has been forgotten.
+        rewinds: How often because time ran backwards.
         clock_s: Latest time that was read in a row of numbers, usable or not [s]; nan before the first.
         why: Why the past was last forgotten, or why the last row was not used; empty where all is well.
     """
@@ -48,6 +49,7 @@ class Intake:
         self.malformed = 0
         self.accepted = 0
         self.epoch = 0
+        self.rewinds = 0
         self.clock_s = math.nan
         self.why = ""
         self._bad = ""
@@ -115,6 +117,7 @@ class Intake:
         if self._times:
             step = time - self._times[-1]
             if step < -CLOSEST_S:
+                self.rewinds += 1
                 self._forget(f"time ran backwards from {self._times[-1]:g} to {time:g} s")
             elif step < CLOSEST_S:
                 self._refuse(f"time stands still at {time:g} s")

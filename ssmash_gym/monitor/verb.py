@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, TextIO
 
 import tyro
 
+from ssmash_gym.monitor.intake import Intake
 from ssmash_gym.monitor.settings import ANSWER_S, Settings
 from ssmash_gym.monitor.stream import Pace, batches
 from ssmash_gym.monitor.view import live_view
@@ -113,18 +114,19 @@ def answers(
         clock: The clock on the wall [s].
     """
     heard = told = clock()
-    lateness = Lateness()
+    freshness = Freshness(watching.settings.silence_s)
     accepted = watching.intake.accepted
     for lines in source:
         began = clock()
         for answer in watching.feed(lines, newest_only=pace == "live"):
-            late_s = lateness.of(began, watching.intake.newest_s, watching.intake.epoch) if pace == "live" else 0.0
-            if late_s > watching.settings.silence_s:
-                answer = watching.late(late_s)
+            if pace == "live" and answer.status == OK:
+                doubt = freshness.doubt(began, clock(), watching.intake)
+                answer = watching.doubted(doubt) if doubt else answer
             if answer.status == OK:
                 took.append(clock() - began)
             yield answer
             told = began = clock()
+        freshness.backlog_is_read = freshness.backlog_is_read or bool(lines)
         now = clock()
         if watching.intake.accepted != accepted:
             accepted, heard = watching.intake.accepted, now
@@ -136,32 +138,48 @@ def answers(
         yield last
 
 
-class Lateness:
-    """How much later samples come, by their own clock, than they did at best.
+class Freshness:
+    """Whether the newest sample of a live input is of now: by the wall's clock and the deck's, which may differ.
 
     Two clocks may drift apart by `DRIFT`; so a lag that does not grow is forgotten in the course of many minutes.
+
+    Args:
+        most_s: Time by which an answer may be behind the deck [s].
+
+    Attributes:
+        backlog_is_read: Whether what was there when listening began has been read: nobody knows how old that is.
     """
 
-    def __init__(self) -> None:
-        self._epoch = -1
-        self._best_s = math.inf
+    def __init__(self, most_s: float) -> None:
+        self.backlog_is_read = False
+        self._most_s = most_s
+        self._rewinds = 0
+        self._best_s = math.inf  # wall's time less deck's, of the sample that was least late
         self._before_s = math.inf
 
-    def of(self, wall_s: float, deck_s: float, epoch: int) -> float:
-        """Seconds by which the newest sample is late; a fresh past begins to count anew.
+    def doubt(self, read_s: float, now_s: float, intake: Intake) -> str:
+        """Why an answer about the newest sample is not one about now; empty if it is.
 
         Args:
-            wall_s: When it was read [s].
-            deck_s: Its own time [s]; nan where there is none.
-            epoch: Of the past.
+            read_s: When the sample was read [s].
+            now_s: When the answer is ready [s].
+            intake: What has been read.
         """
-        if math.isnan(deck_s):
-            return 0.0
-        if epoch != self._epoch:
-            self._epoch, self._best_s = epoch, math.inf
-        drifted_s = DRIFT * max(0.0, wall_s - self._before_s)
-        self._best_s, self._before_s = min(self._best_s + drifted_s, wall_s - deck_s), wall_s
-        return wall_s - deck_s - self._best_s
+        if not self.backlog_is_read:
+            return "no sample has come since the monitor began to listen"
+        if intake.rewinds != self._rewinds:  # another clock, or set anew
+            self._rewinds, self._best_s = intake.rewinds, math.inf
+        offset_s = read_s - intake.newest_s
+        leap_s = self._best_s - offset_s
+        drifted_s = DRIFT * max(0.0, read_s - self._before_s)
+        self._best_s, self._before_s = min(self._best_s + drifted_s, offset_s), read_s
+        if math.isfinite(leap_s) and leap_s > self._most_s:
+            return f"the samples' clock has run {leap_s:.1f} s ahead of the wall's: a record, or late before"
+        if offset_s - self._best_s > self._most_s:
+            return f"samples come {offset_s - self._best_s:.1f} s later than they did"
+        if now_s - read_s + offset_s - self._best_s > self._most_s:
+            return f"the answer took {now_s - read_s:.1f} s: it is about the past"
+        return ""
 
 
 def write_line(file: TextIO, record: dict[str, Any]) -> None:

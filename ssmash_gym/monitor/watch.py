@@ -88,6 +88,7 @@ class Monitor:
         self._begun_s = math.nan  # when the secured helicopter stood on a level deck
         self._due_s = math.nan
         self._epoch = 0
+        self._told = "", math.nan
         self._now: _Now | None = None
 
     def header(self) -> dict[str, Any]:
@@ -145,13 +146,13 @@ class Monitor:
         told = f" (last: {fault})" if fault else ""
         return self._unknown(self.intake.clock_s, f"no usable sample for {silence_s:.0f} s{told}")
 
-    def late(self, late_s: float) -> Answer:
-        """The answer while samples come late.
+    def doubted(self, reason: str) -> Answer:
+        """The answer where the newest sample may not be of now.
 
         Args:
-            late_s: By how much [s].
+            reason: Why, in a sentence.
         """
-        return self._unknown(self.intake.clock_s, f"samples come {late_s:.1f} s later than they did")
+        return self._unknown(self.intake.clock_s, reason)
 
     def finish(self) -> Answer | None:
         """What is left to say at the end of the input: that its last rows could not be used, if so."""
@@ -164,8 +165,9 @@ class Monitor:
         intake.lapse()
         if intake.epoch != self._epoch:
             self._epoch = intake.epoch
-            self._due_s = _next_second(intake.clock_s)
-            yield self._unknown(intake.clock_s, f"{intake.why}; a fresh past has to grow")
+            if not self._just_told(intake.why, intake.clock_s):  # a stuck channel is at fault in every row
+                self._due_s = _next_second(intake.clock_s)
+                yield self._unknown(intake.clock_s, f"{intake.why}; a fresh past has to grow")
         if intake.begin_s != self._begin_s and not math.isnan(intake.begin_s):
             self._begin_s, self._begun_s = intake.begin_s, math.nan
             self._due_s = ANSWER_S * math.ceil(intake.begin_s / ANSWER_S - 1e-9)
@@ -174,10 +176,20 @@ class Monitor:
         while self._due_s <= intake.newest_s + CLOSEST_S:
             self._due_s += ANSWER_S
             unknown = self._moved_on(self._due_s - ANSWER_S)
+            if unknown is not None and intake.why and self._just_told(intake.why, self._due_s - ANSWER_S):
+                continue
             yield self._due_s - ANSWER_S if unknown is None else unknown
         if math.isnan(intake.newest_s) and intake.clock_s >= self._due_s:
             self._due_s = _next_second(intake.clock_s)
             yield self._unknown(intake.clock_s, f"no usable sample (last: {intake.latest_fault})")
+
+    def _just_told(self, why: str, time_s: float) -> bool:
+        """Whether the same has been said within the last second of the deck's clock."""
+        before_why, before_s = self._told
+        if why == before_why and 0.0 <= time_s - before_s < ANSWER_S - CLOSEST_S:
+            return True
+        self._told = why, time_s
+        return False
 
     # --- the present ------------------------------------------------------------------------------------------
 

@@ -103,8 +103,9 @@ def settings(config: WindowConfig) -> dict[str, Setting]:
     found: dict[str, Setting] = {stage: _setting(config, stage, helicopter) for stage in config.stages}
     for setting in found.values():
         for corner in Grid(config.axes).corners():
+            scenario = setting.of(corner)
             try:
-                Starter(setting.helicopter, setting.task, setting.of(corner))
+                Starter(setting.helicopter, setting.task, scenario)
             except ConfigurationError as error:
                 where = ", ".join(f"{name} = {value:g}" for name, value in corner.items())
                 raise ConfigurationError(f"window: the cell {where} is refused: {error}") from None

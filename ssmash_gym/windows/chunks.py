@@ -149,34 +149,47 @@ class Worker:
 
 
 class _Crew:
-    """The policies of a stage, and helicopters for them: all drive the same ones, one after the other."""
+    """The policies of a stage, and helicopters for them: all drive the same ones, one after the other.
+
+    A planner looks at the whole batch that it is attached to, so it gets one of its own for each chunk.
+    """
 
     def __init__(self, job: Job, stage: str) -> None:
-        setting = job.settings[stage]
+        self._setting = job.settings[stage]
+        self._size = job.size
         self._policies: dict[str, Policy] = {
-            name: entrant.make(setting.task) for name, entrant in job.entrants[stage].items()
+            name: entrant.make(self._setting.task) for name, entrant in job.entrants[stage].items()
         }
         self._cores: dict[str, TraverseBatch] = {}
         first: TraverseBatch | None = None
         for name, policy in self._policies.items():
-            self._cores[name] = TraverseBatch(
-                job.size, task=policy.task, scenario=setting.scenario, helicopter=setting.helicopter, threads=1,
-                beside=first,
-            )  # fmt: skip
-            first = first or self._cores[name]
+            if not hasattr(policy, "attach"):
+                self._cores[name] = self._core(policy, self._size, first)
+                first = first or self._cores[name]
+
+    def _core(self, policy: Policy, count: int, beside: TraverseBatch | None = None) -> TraverseBatch:
+        return TraverseBatch(
+            count, task=policy.task, scenario=self._setting.scenario, helicopter=self._setting.helicopter, threads=1,
+            beside=beside,
+        )  # fmt: skip
 
     def run(self, policies: Sequence[str], draws: Sequence[EpisodeDraw], tell: Tell) -> dict[str, list[dict[str, Any]]]:
         """Each policy through the same episodes; a row for each of them."""
         found = {}
         start = None
         for name in policies:
+            policy = self._policies[name]
+            if name not in self._cores:
+                core = self._core(policy, len(draws))
+                found[name] = _episodes(policy, core, core.begin(draws), tell)
+                continue
             core = self._cores[name]
             if start is not None:
                 rewind(core.batch, start)
             observations = core.begin(draws, started=start is not None)
             if start is None and len(policies) > 1:
                 start = moving(core.batch)
-            found[name] = _episodes(self._policies[name], core, observations, tell)
+            found[name] = _episodes(policy, core, observations, tell)
         return found
 
 

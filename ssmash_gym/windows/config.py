@@ -17,7 +17,8 @@ from ssmash_gym.windows.axes import AXES
 from ssmash_gym.windows.criteria import CRITERIA
 from ssmash_gym.windows.stages import STAGES, TRAVERSE
 
-MOST_CELLS: Final = 1_000_000
+MOST_CELLS: Final = 200_000
+MOST_SEAS: Final = 50_000_000  # of all cells together: the plan keeps a byte or so of each
 Count = Annotated[int, Field(ge=1)]
 Share = Annotated[float, Field(gt=0.0, lt=1.0)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -35,7 +36,9 @@ class Effort(Section):
     seeds: Count = Field(20, description="seas of every cell and policy")
     step: Count = Field(20, description="seas added to a cell that is still undecided")
     most: Count = Field(100, description="seas of a cell and policy at most")
-    episodes: Count | None = Field(None, description="episodes of the whole window at most; no such bound by default")
+    episodes: Count | None = Field(
+        None, description="episodes at most, of all policies of a call; no such bound by default"
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -86,7 +89,9 @@ class WindowConfig(Section):
     stages: Annotated[tuple[Literal["traverse", "secured", "touchdown"], ...], Field(min_length=1)] = Field(
         (TRAVERSE,), description="what the helicopter is doing"
     )
-    policies: tuple[str, ...] = Field(("trapezoid",), description="at the claw, where --policy names none")
+    policies: Annotated[tuple[str, ...], Field(min_length=1)] = Field(
+        ("trapezoid",), description="at the claw, where --policy names none"
+    )
     task: str | dict[str, Any] = Field("traverse", description="name, file, or changes to the one that base names")
     scenario: str | dict[str, Any] = Field(description="what the cells share: name, file, or changes (key base)")
     helicopter: str = Field("generic_tricycle", description="name or file")
@@ -111,7 +116,8 @@ class WindowConfig(Section):
         for name, values in given.items():
             if name not in AXES:
                 raise ValueError(f"there is no axis {name!r}; there are {', '.join(AXES)}")
-            if len(set(values)) < len(values):
+            turned = {value % 360.0 for value in values} if name.endswith("_from_deg") else set(values)
+            if len(turned) < len(values):
                 raise ValueError(f"{name}: a value is listed twice")
         for state in given.get("sea_state", ()):
             if state not in SEA_STATES:
@@ -131,6 +137,8 @@ class WindowConfig(Section):
                 raise ValueError(f"there is no limit {name!r}; there are {', '.join(CRITERIA)}")
             if CRITERIA[name].sense == "above" and limit.value <= 0.0:
                 raise ValueError(f"{name} = {limit.value:g}: must be above 0, or every episode exceeds it")
+            if CRITERIA[name].sense == "below" and limit.value < 0.0:
+                raise ValueError(f"{name} = {limit.value:g}: must be at least 0")
         return given
 
     @model_validator(mode="after")
@@ -139,6 +147,9 @@ class WindowConfig(Section):
             stage = AXES[name].stage
             if stage is not None and self.stages != (stage,):
                 raise ValueError(f"axes.{name} is of the stage {stage} alone: a window with it must have no other")
+        seas = math.prod(map(len, self.axes.values())) * self.effort.most
+        if seas > MOST_SEAS:
+            raise ValueError(f"cells times effort.most are {seas:,}, at most {MOST_SEAS:,}")
         return self
 
     @property
@@ -162,7 +173,22 @@ def load_window(window: str | Path | Mapping[str, Any]) -> WindowConfig:
     if isinstance(window, Mapping):
         return validated(WindowConfig, window, "window")
     document, source = read("windows", window)
+    folder = Path(window).parent if Path(window).suffix else None
+    document = document if folder is None else _placed(document, folder)
     if BASE_KEY in document:
-        base, _ = read("windows", str(document.pop(BASE_KEY)))
-        document = merged(base, document)
+        named = Path(str(document.pop(BASE_KEY)))
+        base, _ = read("windows", str(named))
+        document = merged(_placed(base, named.parent) if named.suffix else base, document)
     return validated(WindowConfig, document, source)
+
+
+def _placed(document: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A document whose files (base, scenario, task, helicopter) are taken from its own folder."""
+    placed = dict(document)
+    for key in (BASE_KEY, "scenario", "task", "helicopter"):
+        value = placed.get(key)
+        if isinstance(value, str) and value.endswith((".yaml", ".yml", ".json")):
+            placed[key] = str(folder / value)  # an absolute path stays as it is
+        elif isinstance(value, Mapping) and str(value.get(BASE_KEY, "")).endswith((".yaml", ".yml")):
+            placed[key] = {**value, BASE_KEY: str(folder / str(value[BASE_KEY]))}
+    return placed

@@ -49,7 +49,8 @@ class Criterion:
     def use(self, limit: float) -> pl.Expr:
         """How much of a limit each row has used: 1 at the limit, more beyond it.
 
-        Of a limit from below it is what is missing to it over what a quantity of twice the limit would have to spare.
+        Of a limit from below, 0 where twice the limit is left, more than 1 where less than the limit is; of one of 0, 2
+        below it and 0 above.
         """
         value = self.value()
         if self.sense == "above":

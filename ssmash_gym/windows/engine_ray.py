@@ -42,6 +42,11 @@ class Ray:
         import ray
 
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        address = address or os.environ.get("RAY_ADDRESS") or None  # as within a submitted job
+        if address is not None and workers is not None:
+            raise ConfigurationError(
+                f"--threads {workers} is refused with a cluster at {address}: it has its own cores."
+            )
         if address is not None:
             _refuse_unreachable(address)
         if not ray.is_initialized():

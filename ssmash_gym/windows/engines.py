@@ -41,6 +41,7 @@ class Threads:
     def __init__(self, workers: int | None = None) -> None:
         self.workers = workers or available_threads()
         self._own = threading.local()
+        self._pool = ThreadPoolExecutor(self.workers, thread_name_prefix="ssmash-window")
 
     def run(self, job: Job, chunks: Sequence[Chunk], tell: Steps) -> Done:
         """Run chunks; each is given back as soon as it is done. Leaving early stops the workers at once."""
@@ -53,15 +54,16 @@ class Threads:
             with lock:
                 tell(steps)
 
-        with ThreadPoolExecutor(self.workers, thread_name_prefix="ssmash-window") as pool:
-            waiting = {pool.submit(self._work, job, chunk, told): chunk for chunk in chunks}
-            try:
-                while waiting:
-                    for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                        yield waiting.pop(future), future.result()
-            finally:
-                stop.set()
-                pool.shutdown(wait=True, cancel_futures=True)
+        waiting = {self._pool.submit(self._work, job, chunk, told): chunk for chunk in chunks}
+        try:
+            while waiting:
+                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    yield waiting.pop(future), future.result()
+        finally:
+            stop.set()
+            for future in waiting:
+                future.cancel()
+            wait(waiting)
 
     def _work(self, job: Job, chunk: Chunk, tell: Steps) -> pl.DataFrame:
         if getattr(self._own, "job", None) is not job:

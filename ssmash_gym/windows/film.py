@@ -11,7 +11,7 @@ import polars as pl
 
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.film import film_side_by_side, require_rendering
-from ssmash_gym.evaluation.study_entrants import Entrant
+from ssmash_gym.evaluation.study_entrants import Entrant, agent_entrants, code
 from ssmash_gym.windows.cells import Grid
 from ssmash_gym.windows.config import load_window
 from ssmash_gym.windows.rows import read_document, read_rows
@@ -47,14 +47,23 @@ def film_cell(folder: Path, cell: int | None, policies: Sequence[str], stage: st
     cells = cells_of(judged_rows(read_rows(folder), told), told)
     here = cells.filter(pl.col("stage") == chosen)
     names = here["policy"].unique(maintain_order=True).to_list()
-    name = policies[0].partition("=")[0] if policies else names[0]
+    word = policies[0] if policies else names[0]
+    name = word if word in names else _name_of(word)
     found = here.filter(pl.col("policy") == name, pl.col("cell") == cell)
     if not found.height:
         raise ConfigurationError(
-            f"--cell {cell} --policy {name} is refused: {folder} has no rows of it; its policies are "
+            f"--cell {cell} --policy {word} is refused: {folder} has no rows of it; its policies are "
             f"{', '.join(names)}."
         )
-    return film_worst(folder, told, found.row(0, named=True), policies or (name,))
+    return film_worst(folder, told, found.row(0, named=True), None if word == name else word)
+
+
+def _name_of(word: str) -> str:
+    """The name of an agent that is given by its folder; the word itself where it is none."""
+    try:
+        return agent_entrants([word])[0].name
+    except ConfigurationError:
+        return word
 
 
 def known(folder: Path) -> dict[str, Any]:
@@ -69,29 +78,40 @@ def known(folder: Path) -> dict[str, Any]:
     return told
 
 
-def film_worst(folder: Path, told: dict[str, Any], row: dict[str, Any], policies: Sequence[str] = ()) -> Path:
+def film_worst(folder: Path, told: dict[str, Any], row: dict[str, Any], word: str | None = None) -> Path:
     """Film the worst episode of one row of `verdicts.cells_of`; what has been filmed already is kept.
 
+    Args:
+        folder: The window's.
+        told: Its ``window.json``.
+        row: Stage, policy, cell and ``worst_seed``.
+        word: Where its policy is to be found; where the window found it by default.
+
     Raises:
-        ConfigurationError: The code or the policy is not the one of the rows.
+        ConfigurationError: The code, the window or the policy is not the one of the rows.
     """
-    stage, name, cell = str(row["stage"]), str(row["policy"]), int(row["cell"])
-    path = folder / FILMS / f"{stage}-{name}-{cell}-{row['worst_seed']}.mp4"
+    stage, name, cell, seed = str(row["stage"]), str(row["policy"]), int(row["cell"]), int(row["worst_seed"])
+    path = folder / FILMS / f"{stage}-{name}-{cell}-{seed}-{told['configuration']}.mp4"
     if path.is_file():
         return path
-    sweep = prepared(load_window(told["resolved"]), str(told["name"]), policies or (name,))
+    rows = read_rows(folder).filter(pl.col("stage") == stage, pl.col("policy") == name, pl.col("cell") == cell)
+    episode = rows.filter(pl.col("seed") == seed).row(0, named=True)
+    if episode["code"] != code():
+        raise ConfigurationError(
+            f"{folder}: {name} cannot be filmed: the sources have changed since its rows were made."
+        )
+    word = word or told["policies"].get(name, {}).get("word")
+    sweep = prepared(load_window(told["resolved"]), str(told["name"]), (word,) if word else ())
     entrant = _same(sweep, told, folder, stage, name)
     setting = sweep.job.settings[stage]
     policy = entrant.make(setting.task)
     scenario = setting.of(Grid(sweep.config.axes).cell(cell))
     metrics = film_side_by_side(
-        [policy], scenario, int(row["worst_seed"]), path, helicopter=setting.helicopter, largest_bytes=LARGEST_BYTES
+        [policy], scenario, seed, path, helicopter=setting.helicopter, largest_bytes=LARGEST_BYTES
     )[policy.name]
-    rows = read_rows(folder).filter(pl.col("stage") == stage, pl.col("policy") == name, pl.col("cell") == cell)
-    judged = rows.filter(pl.col("seed") == row["worst_seed"]).row(0, named=True)
-    if metrics["peak_probe_kN"] != judged["peak_probe_kN"]:
+    if any(episode[key] != value for key, value in metrics.items() if key in episode):
         path.unlink()
-        raise ConfigurationError(f"{folder}: the film was not the episode of the rows; the code has changed since.")
+        raise ConfigurationError(f"{folder}: what was filmed was not the episode of the rows, so it was not kept.")
     return path
 
 

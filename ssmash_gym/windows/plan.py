@@ -79,10 +79,13 @@ def rounds(config: WindowConfig, tallies: Mapping[Who, Tally]) -> dict[Who, Coun
     """
     effort = config.effort
     wanted = {who: np.full(len(tally.done), effort.seeds, np.int64) for who, tally in tallies.items()}
+    closed = np.zeros(len(next(iter(wanted.values()))), np.bool_)  # cells that the budget has once not paid for
     while all(tallies[who].complete(counts) for who, counts in wanted.items()):
-        more = {who: _next(config, tallies[who], counts) for who, counts in wanted.items()}
+        more = {who: np.where(closed, counts, _next(config, tallies[who], counts)) for who, counts in wanted.items()}
         if effort.episodes is not None:
-            more = _affordable(wanted, more, effort.episodes, _promise(config, tallies, wanted))
+            paid = _paid(wanted, more, effort.episodes, _promise(config, tallies, wanted, more))
+            more = {who: np.where(paid, more[who], counts) for who, counts in wanted.items()}
+            closed |= ~paid
         if all(np.array_equal(more[who], wanted[who]) for who in wanted):
             break
         wanted = more
@@ -95,22 +98,35 @@ def _next(config: WindowConfig, tally: Tally, counts: Counts) -> Counts:
     return np.where(found == UNDECIDED, np.minimum(counts + config.effort.step, config.effort.most), counts)
 
 
-def _promise(config: WindowConfig, tallies: Mapping[Who, Tally], counts: Mapping[Who, Counts]) -> NDArray[np.float64]:
-    """How far each cell's share is from the acceptance level: the farther, the sooner it will be decided, (cells,)."""
-    shares = [tallies[who].hits(counts[who]) / counts[who] for who in counts]
-    return np.asarray(np.max(np.abs(np.array(shares) - config.acceptance), axis=0), dtype=np.float64)
+def _promise(
+    config: WindowConfig, tallies: Mapping[Who, Tally], counts: Mapping[Who, Counts], more: Mapping[Who, Counts]
+) -> NDArray[np.float64]:
+    """How far the share of a cell's undecided policies is from the acceptance level: the farther, the sooner decided.
+
+    Returns:
+        The largest distance of its policies that are to be gone on with, minus infinity where there is none, (cells,).
+    """
+    found = []
+    for who, count in counts.items():
+        distance = np.abs(tallies[who].hits(count) / count - config.acceptance)
+        found.append(np.where(more[who] > count, distance, -np.inf))
+    return np.asarray(np.max(np.array(found), axis=0), dtype=np.float64)
 
 
-def _affordable(
-    before: dict[Who, Counts], after: dict[Who, Counts], budget: int, promise: NDArray[np.float64]
-) -> dict[Who, Counts]:
-    """As much of a round as the budget pays for: cells of most promise first, each for all policies together."""
+def _paid(
+    before: Mapping[Who, Counts], after: Mapping[Who, Counts], budget: int, promise: NDArray[np.float64]
+) -> Flags:
+    """Which cells' part of a round the budget pays for: those of most promise first, each for all policies together.
+
+    A cell that is not paid for is not gone on with later either: its neighbours, whose seas have the same random
+    numbers, may have shown by then what its next ones hold.
+    """
     left = budget - sum(int(counts.sum()) for counts in before.values())
-    cost = sum(after[who] - before[who] for who in after)
+    cost = np.sum([after[who] - before[who] for who in after], axis=0)
     order = np.argsort(-promise, kind="stable")
     paid = np.zeros(len(promise), np.bool_)
-    paid[order] = np.cumsum(np.asarray(cost)[order]) <= left
-    return {who: np.where(paid, after[who], before[who]) for who in after}
+    paid[order] = np.cumsum(cost[order]) <= left
+    return np.asarray(paid | (cost == 0))
 
 
 def chunks(wanted: Mapping[Who, Counts], tallies: Mapping[Who, Tally], size: int) -> list[Chunk]:
@@ -121,13 +137,12 @@ def chunks(wanted: Mapping[Who, Counts], tallies: Mapping[Who, Tally], size: int
     found = []
     for stage in dict.fromkeys(stage for stage, _ in wanted):
         names = [policy for here, policy in wanted if here == stage]
-        need = np.stack(
-            [_missing(tallies[stage, name], wanted[stage, name]) for name in names]
-        )  # (policies, cells, seas)
-        sets = np.tensordot(1 << np.arange(len(names)), need.astype(np.int64), axes=1)
+        sets = np.zeros(tallies[stage, names[0]].done.shape, np.uint32)
+        for k, name in enumerate(names):
+            sets |= _missing(tallies[stage, name], wanted[stage, name]).astype(np.uint32) << np.uint32(k)
         for which in np.unique(sets[sets > 0]):
             cells, numbers = np.nonzero(sets == which)
-            policies = tuple(name for k, name in enumerate(names) if which >> k & 1)
+            policies = tuple(name for k, name in enumerate(names) if int(which) >> k & 1)
             for first in range(0, cells.size, size):
                 part = slice(first, first + size)
                 found.append(Chunk(stage, policies, tuple(cells[part].tolist()), tuple(numbers[part].tolist())))

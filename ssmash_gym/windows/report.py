@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import shlex
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,43 +27,49 @@ CELLS: Final = "cells.csv"
 Key = tuple[str, str, int]
 
 
-def write_report(folder: Path, *, limits: str | None = None, films: int = 0) -> Path:
+def write_report(
+    folder: Path, *, limits: str | None = None, films: int = 0, tell: Callable[[str], None] = lambda words: None
+) -> Path:
     """Write the report of a window's folder: ``report/index.html``, ``cells.csv`` and the charts as SVG.
 
     Args:
         folder: The window's.
-        limits: Another window whose limits, acceptance and confidence are judged by; its own by default. The intervals
-            hold for these too, as they hold at all times together.
-        films: Of how many cells the worst episode is filmed: those that are farthest beyond a limit, the policies by
-            turns.
+        limits: Another window whose limits, acceptance and confidence are judged by, into ``report_NAME``; its own by
+            default. The intervals hold for these too, as they hold at all times together.
+        films: Of how many cells the worst episode is filmed: those with the greatest shares beyond a limit, the
+            policies by turns.
+        tell: Told what could not be filmed, and why, in a sentence each.
 
     Returns:
         The page.
 
     Raises:
-        ConfigurationError: The folder holds no window or no rows, or something cannot be filmed; no page is written.
+        ConfigurationError: The folder holds no window or no rows; no page is written.
         ImportError: A library is missing; the sentence names the extra.
     """
     require_report()
-    if films:
-        require_rendering()
     told = known(folder) if limits is None else _judged_by(known(folder), limits)
     rows = read_rows(folder)
     if not rows.height:
         raise ConfigurationError(f"{folder}: no episode has been run there yet.")
     rows = judged_rows(rows, told)
     cells = cells_of(rows, told)
-    out = folder / REPORT
-    shown = _films(folder, told, cells, films)
+    out = folder / (REPORT if limits is None else f"{REPORT}_{Path(limits).stem}")
+    shown = _films(folder, told, cells, films, tell)
     for stage in charts.stages_of(cells, told):
         write_text(out / f"placard_{stage}.svg", charts.placard(cells, told, stage))
         write_text(out / f"probability_{stage}.svg", charts.probability(cells, told, stage))
         if cells.filter(pl.col("stage") == stage)["policy"].n_unique() > 1:
             write_text(out / f"difference_{stage}.svg", charts.difference(cells, told, stage))
     charts.write_csv(cells, out / CELLS)
-    words = " ".join(f"--policy {name}" for name in charts.policies_of(cells, told))
-    command = f"ssmash window {told['name']} {words} --out DIR"
-    return write_window_page(cells, rows, told, out, shown, command=command)
+    return write_window_page(cells, rows, told, out, shown, command=command_of(told))
+
+
+def command_of(told: Mapping[str, Any]) -> str:
+    """The command that makes a window's rows anew."""
+    words = [one["word"] for one in told["policies"].values() if one.get("word")]
+    policies = " ".join(f"--policy {shlex.quote(word)}" for word in words)
+    return " ".join(f"ssmash window {shlex.quote(str(told['source']))} {policies} --out DIR".split(" "))
 
 
 def _judged_by(told: dict[str, Any], limits: str) -> dict[str, Any]:
@@ -78,20 +85,42 @@ def _judged_by(told: dict[str, Any], limits: str) -> dict[str, Any]:
     }
 
 
-def _films(folder: Path, told: dict[str, Any], cells: pl.DataFrame, count: int) -> Mapping[Key, Film]:
-    """Films of the cells with the greatest use of a limit, the best known cell of each policy first."""
-    ranked = cells.filter(pl.col("worst_use").is_finite()).with_columns(
-        pl.col("worst_use").rank("ordinal", descending=True).over("stage", "policy").alias("place")
+def _films(
+    folder: Path, told: dict[str, Any], cells: pl.DataFrame, count: int, tell: Callable[[str], None]
+) -> Mapping[Key, Film]:
+    """Films of the cells with the greatest shares beyond a limit, that of each policy first."""
+    ranked = cells.sort(["share", "lost", "worst_use"], descending=True, nulls_last=True).with_columns(
+        pl.int_range(pl.len()).over("stage", "policy").alias("place")
     )
-    chosen = ranked.sort("place", "stage", "policy").head(count)
-    found = {}
-    with progress_bar("films", shown=bool(chosen.height)) as advance:
+    chosen = ranked.sort("place", "stage", "policy", maintain_order=True).head(count)
+    found: dict[Key, Film] = {}
+    if not chosen.height:
+        return found
+    try:
+        require_rendering()
+    except ImportError as missing:
+        tell(f"no films: {missing}")
+        return found
+    with progress_bar("films") as advance:
         for k, row in enumerate(chosen.iter_rows(named=True)):
             advance(k / chosen.height, f"film {k + 1} of {chosen.height}")
-            path = film_worst(folder, told, row)
-            where = ", ".join(f"{one['label'].split(' (')[0]} {row[name]:g} {one['unit']}".strip()
-                              for name, one in told["axes"].items())  # fmt: skip
-            use = f"seed {row['worst_seed']}, {row['worst_use']:.1f} times a limit"
-            words = f"{row['policy']}, {row['stage']}: {where}; {use}"
-            found[str(row["stage"]), str(row["policy"]), int(row["cell"])] = Film(path, words)
+            try:
+                path = film_worst(folder, told, row)
+            except ConfigurationError as refused:
+                tell(f"no film of cell {row['cell']}: {refused}")
+                continue
+            found[str(row["stage"]), str(row["policy"]), int(row["cell"])] = Film(path, _caption(told, row))
     return found
+
+
+def _caption(told: Mapping[str, Any], row: Mapping[str, Any]) -> str:
+    """What a film shows."""
+    where = ", ".join(
+        f"{one['label']} {row[name]:g} {one['unit']}".strip()
+        for name, one in told["axes"].items()
+        if row[name] is not None
+    )
+    lost = f"; lost in {row['lost']} of {row['episodes']} episodes" if row["lost"] else ""
+    return (
+        f"{row['policy']}, {row['stage']}: {where}; the worst of {row['episodes']} seas, seed {row['worst_seed']}{lost}"
+    )

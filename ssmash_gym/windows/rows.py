@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,6 +16,7 @@ from ssmash_gym.windows.chunks import KEYS
 
 WINDOW: Final = "window.json"
 ROWS: Final = "rows"
+LOCK: Final = ".lock"
 
 
 def write_rows(out: Path, name: str, rows: pl.DataFrame) -> None:
@@ -47,8 +49,33 @@ def read_rows(out: Path, columns: Sequence[str] | None = None) -> pl.DataFrame:
         return pl.DataFrame(schema={"stage": pl.String, "policy": pl.String, "cell": pl.Int64, "number": pl.Int64})
     rows = pl.concat(frames, how="diagonal_relaxed").sort(*KEYS)
     if rows.select(KEYS).is_duplicated().any():
-        raise ConfigurationError(f"{out / ROWS}: some episodes stand there twice: remove the folder and run it again.")
+        rows = rows.unique(maintain_order=True)  # the same episode run twice has the same numbers
+    if rows.select(KEYS).is_duplicated().any():
+        raise ConfigurationError(
+            f"{out / ROWS}: some episodes stand there twice, with other numbers: remove it and run again."
+        )
     return rows
+
+
+@contextmanager
+def alone_in(out: Path) -> Iterator[None]:
+    """Hold a window's folder: no other process may run it at the same time. A process that dies lets go of it.
+
+    Raises:
+        ConfigurationError: Another one does.
+    """
+    from filelock import FileLock, Timeout
+
+    out.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(out / LOCK)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise ConfigurationError(f"{out}: another process is running a window in this folder.") from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def write_document(out: Path, document: dict[str, Any]) -> None:

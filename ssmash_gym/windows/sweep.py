@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import polars as pl
 
 import ssmash_gym
+from ssmash_gym.envs.loading import BASE_KEY
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
 from ssmash_gym.evaluation.policies import baselines, planners
@@ -24,7 +26,7 @@ from ssmash_gym.windows.config import WindowConfig
 from ssmash_gym.windows.criteria import CRITERIA, columns_read, label_of, names_of
 from ssmash_gym.windows.engines import Engine
 from ssmash_gym.windows.plan import Tally, Who, chunks, fill, rounds
-from ssmash_gym.windows.rows import read_document, read_rows, write_document, write_rows
+from ssmash_gym.windows.rows import WINDOW, alone_in, read_document, read_rows, write_document, write_rows
 from ssmash_gym.windows.sequential import UNDECIDED, bounds
 from ssmash_gym.windows.stages import STAGES
 
@@ -39,11 +41,15 @@ class Sweep:
         config: The window.
         name: Of it, in ``window.json``.
         job: What workers need.
+        source: What was named on the command line: a shipped window or a file.
+        words: The policies as they were named, by their own names.
     """
 
     config: WindowConfig
     name: str
     job: Job
+    source: str = ""
+    words: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def identity(self) -> str:
@@ -58,7 +64,9 @@ class Sweep:
         )
 
 
-def prepared(config: WindowConfig, name: str, policies: Sequence[str] = (), size: int = SIZE) -> Sweep:
+def prepared(
+    config: WindowConfig, name: str, policies: Sequence[str] = (), size: int = SIZE, source: str = ""
+) -> Sweep:
     """Resolve a window and try everything that it names; nothing is written.
 
     Args:
@@ -67,12 +75,16 @@ def prepared(config: WindowConfig, name: str, policies: Sequence[str] = (), size
         policies: At the claw: scripted ones by name, trained ones by name or folder (``NAME=FOLDER``); the window's own
             by default.
         size: Seas of a chunk.
+        source: What was named on the command line; the name by default.
 
     Raises:
         ConfigurationError: A name, a file, a cell or a value is refused, or a policy does not suit a stage.
     """
     found = settings(config)
-    entrants = {stage: _entrants(setting, policies or config.policies) for stage, setting in found.items()}
+    asked = policies or config.policies
+    named = _entrants(next(iter(found.values())), asked)  # refused also where every stage has a policy of its own
+    entrants = {stage: _of_stage(setting, asked) for stage, setting in found.items()}
+    _refuse_impossible(config, found)
     for stage, those in entrants.items():
         for entrant in those.values():
             entrant.make(found[stage].task)  # refused now rather than after an hour
@@ -85,27 +97,51 @@ def prepared(config: WindowConfig, name: str, policies: Sequence[str] = (), size
     seeds = tuple(block(config.seed, WINDOWS, max(config.effort.most, config.effort.seeds)))
     grid = Grid(config.axes)
     size = min(size, len(grid) * config.effort.seeds)
-    return Sweep(config, name, Job(grid, found, entrants, seeds, size))
+    words = {entrant.name: word for word, entrant in zip(asked, named.values(), strict=True)}
+    return Sweep(config, name, Job(grid, found, entrants, seeds, size), source or name, words)
+
+
+def _of_stage(setting: Setting, policies: Sequence[str]) -> dict[str, Entrant]:
+    """Who is at the claw in a stage, by name."""
+    fixed = STAGES[setting.stage].policy
+    return _entrants(setting, policies if fixed is None else (fixed,))
 
 
 def _entrants(setting: Setting, policies: Sequence[str]) -> dict[str, Entrant]:
-    """The policies of a stage, by name.
+    """Policies by name, one for each word.
 
     Raises:
         ConfigurationError: There is none of a name, or two have the same.
     """
-    fixed = STAGES[setting.stage].policy
     found: dict[str, Entrant] = {}
-    for word in policies if fixed is None else (fixed,):
+    for word in policies:
         plain = word.partition("@")[0]
         scripted = plain in baselines() or plain in planners()
-        for entrant in [scripted_entrant(word, setting.task)] if scripted else agent_entrants([word]):
-            if entrant.name in found:
-                raise ConfigurationError(
-                    f"--policy: {entrant.name} is named twice: give different ones different names (NAME=FOLDER)."
-                )
-            found[entrant.name] = entrant
+        those = [scripted_entrant(word, setting.task)] if scripted else agent_entrants([word])
+        if len(those) > 1:
+            raise ConfigurationError(f"--policy {word} is refused: name one folder; a window is of single policies.")
+        if those[0].name in found:
+            raise ConfigurationError(
+                f"--policy: {those[0].name} is named twice: give different ones different names (NAME=FOLDER)."
+            )
+        found[those[0].name] = those[0]
     return found
+
+
+def _refuse_impossible(config: WindowConfig, found: Mapping[str, Setting]) -> None:
+    """Refuse limits that no episode can keep.
+
+    Raises:
+        ConfigurationError: There is one.
+    """
+    clearance_m = config.figures.get("corridor_clearance_m")
+    for setting in found.values():
+        width_m = setting.task.corridor.door_half_width_m
+        if clearance_m is not None and clearance_m >= width_m:
+            raise ConfigurationError(
+                f"window: limits.corridor_clearance_m = {clearance_m:g} is refused: the hangar door is {width_m:g} m "
+                "wide to either side."
+            )
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine, *, shown: bool = True) -> dict[Who, Tally]:
@@ -124,9 +160,16 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine, *, shown: bool = True) ->
         ConfigurationError: The folder holds rows of another configuration; nothing has been written.
         KeyboardInterrupt: The same call goes on where this one was stopped.
     """
+    with alone_in(out):
+        return _run(sweep, out, engine, shown)
+
+
+def _run(sweep: Sweep, out: Path, engine: Engine, shown: bool) -> dict[Who, Tally]:
+    """`run_sweep` in a folder that nobody else runs in."""
     config, job = sweep.config, sweep.job
-    present, earlier = read_rows(out, columns_read(config.figures)), read_document(out)
-    _refuse_mixing(sweep, earlier, out)
+    earlier = read_document(out)
+    present = read_rows(out, [*columns_read(config.figures), "configuration", "code"])
+    _refuse_mixing(sweep, present, earlier, out)
     write_document(out, document(sweep, earlier))
     tallies = {
         (stage, policy): Tally.blank(len(job.grid), len(job.seeds))
@@ -139,6 +182,7 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine, *, shown: bool = True) ->
         while missing := chunks(rounds(config, tallies), tallies, job.size):
             clock = _Clock(advance, sweep, missing, tallies)
             for chunk, rows in engine.run(job, _spread(missing, engine.workers), clock.tell):
+                _refuse_foreign(rows)
                 write_rows(out, chunk.name, rows)
                 fill(tallies, config, rows)
     return tallies
@@ -193,10 +237,12 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
     for stage, entrants in job.entrants.items():
         for name, one in entrants.items():
             known = dict(policies.get(name, {"kind": one.kind, "training_seed": one.training_seed, **one.about}))
+            known["word"] = sweep.words.get(name)
             known["identities"] = {**known.get("identities", {}), stage: one.identity}
             policies[name] = known
     return {
         "name": sweep.name,
+        "source": sweep.source,
         "description": config.description,
         "configuration": sweep.identity,
         "versions": {"ssmash_gym": ssmash_gym.__version__, "code": code()},
@@ -212,6 +258,8 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
         "confidence": config.confidence,
         "policies": policies,
         "helicopter": config.helicopter,
+        "task": _called(config.task),
+        "scenario": _called(config.scenario),
         "resolved": config.model_dump(mode="json"),
         "settings": {
             stage: {
@@ -241,13 +289,23 @@ def limits_told(config: WindowConfig) -> dict[str, dict[str, Any]]:
     return found | {name: {"value": None, "note": "in any case", "label": label_of(name), "unit": ""} for name in names}
 
 
-def _refuse_mixing(sweep: Sweep, earlier: dict[str, Any], out: Path) -> None:
+def _called(given: str | Mapping[str, Any]) -> str:
+    """A task or a scenario in a word or two."""
+    if isinstance(given, str):
+        return given
+    changed = ", changed" if set(given) - {BASE_KEY} else ""
+    return f"{given.get(BASE_KEY, 'its own')}{changed}"
+
+
+def _refuse_mixing(sweep: Sweep, present: pl.DataFrame, earlier: dict[str, Any], out: Path) -> None:
     """Refuse to add rows to those of another configuration.
 
     Raises:
-        ConfigurationError: The folder's window, or a policy of a name, was another one.
+        ConfigurationError: The folder's window, its sources, or a policy of a name, was another one.
     """
     advice = "rows of both must not be mixed: choose another --out, or remove that folder"
+    if present.height and not earlier:
+        raise ConfigurationError(f"{out}: there are rows but no {WINDOW}, so nobody knows what of; {advice}.")
     if earlier and earlier.get("configuration") != sweep.identity:
         raise ConfigurationError(
             f"{out}: the window there ({earlier.get('name')}, configuration {earlier.get('configuration')}) was "
@@ -256,5 +314,26 @@ def _refuse_mixing(sweep: Sweep, earlier: dict[str, Any], out: Path) -> None:
     for stage, entrants in sweep.job.entrants.items():
         for name, one in entrants.items():
             known = earlier.get("policies", {}).get(name, {}).get("identities", {}).get(stage, one.identity)
-            if known != one.identity:
+            rows = present.filter(pl.col("stage") == stage, pl.col("policy") == name)
+            others = set(rows["configuration"]) - {sweep.job.configuration(stage, name)} if rows.height else set()
+            if known != one.identity or others:
                 raise ConfigurationError(f"{out}: the policy {name} was another one there; {advice}.")
+    made_by = set(present["code"]) - {code()} if present.height else set()
+    if made_by:
+        raise ConfigurationError(
+            f"{out}: its rows were made by other sources of ssmash_gym ({min(made_by)}) than these ({code()}); "
+            f"{advice}."
+        )
+
+
+def _refuse_foreign(rows: pl.DataFrame) -> None:
+    """Refuse rows from a worker with another ssmash_gym.
+
+    Raises:
+        ConfigurationError: There are some.
+    """
+    if set(rows["code"]) != {code()} or set(rows["version"]) != {ssmash_gym.__version__}:
+        raise ConfigurationError(
+            f"a worker runs other sources of ssmash_gym ({rows['version'][0]}, code {rows['code'][0]}) than this "
+            f"process ({ssmash_gym.__version__}, code {code()}): give every node the same package."
+        )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 import tyro
 from rich.console import Console
@@ -14,6 +16,7 @@ from ssmash_gym.windows.engines import Engine, Threads
 from ssmash_gym.windows.rows import read_document, read_rows
 from ssmash_gym.windows.verdicts import cells_of, judged_rows, sentences
 
+FILMS: Final = 4  # of a report
 Policies = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
 
 
@@ -29,7 +32,7 @@ def window(
     threads: int | None = None,
     report: Path | None = None,
     limits: str | None = None,
-    films: int = 4,
+    films: int | None = None,
     film: Path | None = None,
     cell: int | None = None,
     stage: str | None = None,
@@ -46,13 +49,13 @@ def window(
         out: Folder for the dataset.
         seeds: Seas of every cell, instead of the window's effort.seeds.
         most: Seas of a cell at most, instead of effort.most.
-        episodes: Episodes of the whole window at most, instead of effort.episodes.
+        episodes: Episodes at most, of all policies of this call, instead of effort.episodes.
         engine: What runs the episodes: threads of this process, or Ray (extra ``distributed``); the rows are the same.
         address: Of a running Ray cluster, or auto; a local one is started without it.
         threads: Workers of the threads, or of a local Ray; one a core by default.
         report: Draw the window in this folder into its folder ``report``, without running anything.
         limits: With --report: judge by the limits and the acceptance of another window's YAML.
-        films: With --report: film the worst episodes of so many of the worst cells (extra ``render``); 0 films none.
+        films: With --report: film the worst episodes of so many of the worst cells, 4 by default (extra ``render``).
         film: Film an episode of the window in this folder: the worst one of --cell with --policy.
         cell: Number of the cell to film.
         stage: Stage to film, where the window has several.
@@ -67,18 +70,51 @@ def window(
         raise ConfigurationError(
             f"{' and '.join(chosen) or 'nothing to do'}: give a window to run, or --report FOLDER, or --film FOLDER."
         )
+    _refuse_besides(
+        config is not None,
+        report is not None,
+        film is not None,
+        {
+            "run": {
+                "--seeds": seeds, "--most": most, "--episodes": episodes, "--threads": threads, "--address": address,
+                "--engine": None if engine == "threads" else engine,
+            },
+            "report": {"--limits": limits, "--films": films},
+            "film": {"--cell": cell, "--stage": stage},
+        },
+    )  # fmt: skip
+    if films is not None and films < 0:
+        raise ConfigurationError(f"--films {films} is refused: 0 or more.")
     if config is not None:
         effort = {"seeds": seeds, "most": most, "episodes": episodes}
-        _run(config, policy, out, effort, _engine(engine, address, threads))
+        _run(config, policy, out, effort, functools.partial(_engine, engine, address, threads))
     elif report is not None:
         from ssmash_gym.windows.report import write_report
 
-        page = write_report(report, limits=limits, films=films)
-        Console().print(f"report in {page}")
+        console = Console()
+        page = write_report(
+            report, limits=limits, films=FILMS if films is None else films,
+            tell=lambda words: console.print(words, markup=False, soft_wrap=True),
+        )  # fmt: skip
+        console.print(f"report in {page}", soft_wrap=True)
     elif film is not None:
         from ssmash_gym.windows.film import film_cell
 
-        Console().print(f"film in {film_cell(film, cell, policy, stage)}")
+        Console().print(f"film in {film_cell(film, cell, policy, stage)}", soft_wrap=True)
+
+
+def _refuse_besides(run: bool, report: bool, film: bool, options: dict[str, dict[str, Any]]) -> None:
+    """Refuse options that what is done does not read.
+
+    Raises:
+        ConfigurationError: One is given.
+    """
+    done = {"run": run, "report": report, "film": film}
+    for what, given in options.items():
+        for option, value in given.items():
+            if value is not None and not done[what]:
+                where = {"run": "a window to run", "report": "--report", "film": "--film"}[what]
+                raise ConfigurationError(f"{option} {value} is refused without {where}.")
 
 
 def _engine(name: str, address: str | None, threads: int | None) -> Engine:
@@ -93,16 +129,18 @@ def _engine(name: str, address: str | None, threads: int | None) -> Engine:
     return Ray(address, threads)
 
 
-def _run(config: str, policies: tuple[str, ...], out: Path, effort: dict[str, int | None], engine: Engine) -> None:
+def _run(
+    config: str, policies: tuple[str, ...], out: Path, effort: dict[str, int | None], engine: Callable[[], Engine]
+) -> None:
     from ssmash_gym.windows.sweep import prepared, run_sweep
 
     console = Console()
     name = Path(config).stem if config.endswith((".yaml", ".yml")) else config
-    sweep = prepared(_with_effort(load_window(config), effort), name, policies)
+    sweep = prepared(_with_effort(load_window(config), effort), name, policies, source=config)
     try:
-        run_sweep(sweep, out, engine, shown=Console(stderr=True).is_terminal)
+        run_sweep(sweep, out, engine(), shown=Console(stderr=True).is_terminal)
     except KeyboardInterrupt:
-        console.print(f"what is done is kept in {out}; the same command goes on there")
+        console.print(f"what is done is kept in {out}; the same command goes on there", soft_wrap=True)
         raise
     told, rows = read_document(out), read_rows(out)
     for sentence in sentences(cells_of(judged_rows(rows, told), told)):

@@ -50,14 +50,15 @@ def cells_of(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame:
         Stage, policy, cell and its place on each axis; ``episodes``, ``exceeded``, ``share`` with the confidence
         sequence ``low`` to ``high``; ``verdict``; ``limiting``, what was exceeded in most episodes (None where nothing
         was); ``over_NAME``, in how many; ``use_NAME``, the 95th percentile of peak over limit; ``valid``, whether the
-        model of the motion holds for all its seas; ``worst_seed`` and ``worst_use``, of the episode closest to or
-        farthest beyond a limit.
+        model of the motion holds for all its seas; ``lost``, episodes that ended by a failure; ``worst_seed`` and
+        ``worst_use``, of an episode that was lost if there is one, else beyond a limit, else closest to one.
     """
     over = [name for name in rows.columns if name.startswith("over_") and name != "over_limit_s"]
     uses = [name for name in rows.columns if name.startswith("use_")]
     if not rows.height:
         return pl.DataFrame()
-    worst = pl.col("worst_use").fill_nan(np.inf).arg_max()
+    graver = [pl.col("failed"), pl.col("exceeded"), pl.col("worst_use").fill_nan(np.inf)]
+    first = {"descending": True, "nulls_last": True}
     cells = rows.group_by(*_WHO).agg(
         *(pl.col(name).first() for name in document["axes"]),
         pl.len().cast(pl.Int64).alias("episodes"),
@@ -65,8 +66,9 @@ def cells_of(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame:
         *(pl.col(name).fill_null(False).sum().cast(pl.Int64) for name in over),
         *(pl.col(name).quantile(0.95, "linear") for name in uses),
         pl.col("within_validity").all().alias("valid"),
-        pl.col("seed").get(worst).alias("worst_seed"),
-        pl.col("worst_use").get(worst).alias("worst_use"),
+        pl.col("failed").sum().cast(pl.Int64).alias("lost"),
+        pl.col("seed").sort_by(graver, **first).first().alias("worst_seed"),
+        pl.col("worst_use").sort_by(graver, **first).first().alias("worst_use"),
     )
     cells = cells.sort(*_WHO)
     found = bounds(cells["exceeded"].to_numpy(), cells["episodes"].to_numpy(), float(document["confidence"]))
@@ -85,15 +87,19 @@ def cells_of(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame:
 def sentences(cells: pl.DataFrame) -> list[str]:
     """What a window says, a line a stage and policy."""
     found = []
-    for (stage, policy), part in cells.group_by("stage", "policy", maintain_order=True):
-        counts = {verdict: part.filter(pl.col("verdict") == verdict).height for verdict in (WITHIN, BEYOND, UNDECIDED)}
-        outside = part.filter(~pl.col("valid")).height
-        beyond = part.filter(pl.col("verdict") == BEYOND)
-        most = beyond["limiting"].drop_nulls().mode().sort().to_list()
+    for (stage, policy), part in cells.group_by("stage", "policy", maintain_order=True) if cells.height else ():
+        valid = part.filter(pl.col("valid"))
+        counts = {verdict: valid.filter(pl.col("verdict") == verdict).height for verdict in (WITHIN, BEYOND, UNDECIDED)}
+        most = valid.filter(pl.col("verdict") == BEYOND)["limiting"].drop_nulls().mode().sort().to_list()
         limited = f", mostly by: {label_of(most[0])}" if most else ""
-        note = f"; {outside} lie outside the validity of the ship's motion" if outside else ""
+        outside = part.height - valid.height
+        note = (
+            f"; a further {outside} lie outside the validity of the ship's motion and are not counted"
+            if outside
+            else ""
+        )
         found.append(
-            f"{stage}, {policy}: {counts[WITHIN]} of {part.height} cells within the limits, {counts[BEYOND]} beyond"
+            f"{stage}, {policy}: {counts[WITHIN]} of {valid.height} cells within the limits, {counts[BEYOND]} beyond"
             f"{limited}, {counts[UNDECIDED]} undecided after {part['episodes'].sum():,} episodes{note}."
         )
     return found

@@ -28,10 +28,10 @@ def motion(rough: bool, seed: int = 1) -> Motion:
 
 
 @functools.cache
-def lines(rough: bool = False, duration_s: float = 34.0) -> tuple[str, ...]:
+def lines(rough: bool = False, duration_s: float = 34.0, step_s: float = STEP_S) -> tuple[str, ...]:
     """A record, comments and names included."""
     with tempfile.TemporaryDirectory() as folder:
-        path = write_shipmo(Path(folder) / "deck.csv", motion(rough), STEP_S, duration_s, comments=("a record",))
+        path = write_shipmo(Path(folder) / "deck.csv", motion(rough), step_s, duration_s, comments=("a record",))
         return tuple(path.read_text(encoding="utf-8").splitlines())
 
 

@@ -7,14 +7,17 @@ import json
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from ssmash_gym.cli import main
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.monitor import Monitor
+from ssmash_gym.monitor.intake import Intake
 from ssmash_gym.monitor.stream import LONGEST_LINE, Lines, batches
-from ssmash_gym.monitor.verb import Lateness, answers
+from ssmash_gym.monitor.verb import Freshness, answers
 from ssmash_gym.monitor.view import picture
 from tests.monitor.decks import lines, quick
 
@@ -107,13 +110,57 @@ def test_samples_that_come_ever_later_are_no_present() -> None:
     assert "later than they did" in (found[-1].reason or "")
 
 
+def doubts(freshness: Freshness, wall_s: float, deck_s: float, took_s: float = 0.0, rewinds: int = 0) -> str:
+    """What is said of an answer about a deck time that was read and answered at given times of the wall."""
+    intake = cast("Intake", SimpleNamespace(newest_s=deck_s, rewinds=rewinds))
+    return freshness.doubt(wall_s, wall_s + took_s, intake)
+
+
 def test_clocks_that_drift_are_not_late_and_a_steady_lag_is_forgotten_in_time() -> None:
-    lateness = Lateness()
-    assert all(lateness.of(1000.0 + 1.0005 * t, float(t), 0) < 1e-6 for t in range(36000))
-    assert lateness.of(1000.0 + 1.0005 * 36000 + 3.0, 36000.0, 0) == pytest.approx(3.0, abs=0.01)
-    lags = [lateness.of(1003.0 + 1.0005 * t, float(t), 0) for t in range(36001, 38000)]
-    assert lags[60] > 2.9 and lags[-1] < 2.1
-    assert lateness.of(5000.0, 0.0, 1) == 0.0  # a fresh past
+    freshness = Freshness(2.0)
+    freshness.backlog_is_read = True
+    assert not any(doubts(freshness, 1000.0 + 1.0005 * t, float(t)) for t in range(36000))
+    assert "3.0 s later than they did" in doubts(freshness, 1000.0 + 1.0005 * 36000 + 3.0, 36000.0)
+    later = [doubts(freshness, 1003.0 + 1.0005 * t, float(t)) for t in range(36001, 39000)]
+    assert later[60] and not later[-1]
+    assert not doubts(freshness, 5000.0, 0.0, rewinds=1)  # a clock that has been set anew
+
+
+def test_a_lag_is_not_forgotten_with_the_past() -> None:
+    """Samples 30 s late, then a gap: the fresh past is as late as the old one."""
+    freshness = Freshness(2.0)
+    freshness.backlog_is_read = True
+    assert not doubts(freshness, 100.0, 50.0)
+    assert "30.0 s later" in doubts(freshness, 140.0, 60.0)
+    assert "29.9 s later" in doubts(freshness, 240.0, 160.0)  # after whatever has been forgotten
+
+
+def test_a_slow_answer_and_a_record_that_runs_through_a_pipe_are_not_about_now() -> None:
+    freshness = Freshness(2.0)
+    freshness.backlog_is_read = True
+    assert not doubts(freshness, 100.0, 50.0, took_s=0.9)
+    assert "the answer took 30.0 s" in doubts(freshness, 101.0, 51.0, took_s=30.0)
+    for k in range(1, 5):
+        assert "ahead of the wall's" in doubts(freshness, 101.0 + k, 51.0 + 100.0 * k)
+
+
+def test_what_was_there_before_listening_is_never_a_present(tmp_path: Path) -> None:
+    """A file that nobody writes any more looks like a calm one that has just been written: nothing is said of it."""
+    path = tmp_path / "old.csv"
+    path.write_text("\n".join(lines()[:150]) + "\n")
+    source, clock = ticking(islice(batches(str(path), "live", 0.001), 40), 0.1)
+    found = list(answers(Monitor(quick()), source, "live", [], clock))  # type: ignore[arg-type]
+    assert found and all(a.status == "unknown" for a in found)
+    assert "no sample has come since the monitor began to listen" in (found[0].reason or "")
+
+
+def test_a_stuck_channel_is_told_once_a_second() -> None:
+    rows = [line.split(",") for line in lines(step_s=0.05)[:700]]
+    stuck = [[*row[:1], rows[300][1], *row[2:]] if k >= 300 else row for k, row in enumerate(rows)]
+    found = list(Monitor(quick()).feed([",".join(row) for row in stuck]))
+    late = [a for a in found if (a.time_s or 0.0) > 20.0]
+    assert all(a.status == "unknown" for a in late)
+    assert 10 <= len(late) <= 20  # 15 s of rows
 
 
 def test_a_live_input_is_answered_as_it_grows(tmp_path: Path) -> None:
@@ -121,11 +168,11 @@ def test_a_live_input_is_answered_as_it_grows(tmp_path: Path) -> None:
     path.write_text("\n".join(lines()[:150]) + "\n")
     monitor = Monitor(quick())
     source = batches(str(path), "live", 0.001)
-    first = next(answers(monitor, source, "live", []))
-    assert (first.time_s, first.status) == (29.0, "ok")  # what has waited is answered once
+    found = answers(monitor, source, "live", [])
+    assert next(found).status == "unknown"  # nobody knows how long it has lain there
     with path.open("a") as file:
         file.write("\n".join(lines()[150:156]) + "\n")
-    second = next(answers(monitor, islice(source, 1), "live", []))
+    second = next(found)
     assert (second.time_s, second.status) == (30.0, "ok")
 
 

@@ -65,6 +65,16 @@ def test_an_episode_is_the_environments_own(job: Job, worker: Worker) -> None:
             assert len(shared) > 20 and here.select(shared).equals(alone.select(shared))
 
 
+def test_a_planner_gets_helicopters_of_its_own(job: Job) -> None:
+    """It looks at the whole of its batch, so it must not see those of a larger chunk; nor does it disturb others."""
+    brief = {**WINDOW, "stages": ["traverse"], "policies": ["linear", "mppi"], "task": {**TASK, "horizon_s": 1.5}}
+    made = prepared(load_window(brief), "planned").job
+    worker = Worker(made)
+    whole = dict(pieces(worker.run(chunk((0, 0), (3, 1), (2, 0), policies=("linear", "mppi")))))
+    for key, row in pieces(worker.run(chunk((3, 1), policies=("mppi", "linear")))):
+        assert row == whole[key]
+
+
 @pytest.mark.parametrize("stage", ["traverse", "secured", "touchdown"])
 def test_rows_do_not_depend_on_how_they_are_chunked(job: Job, worker: Worker, stage: str) -> None:
     policies = ("trapezoid", "ppo_traverse") if stage == "traverse" else ("hold",)

@@ -66,6 +66,10 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "two heights": ({"axes": {"sea_state": [3], "hs_m": [1.0]}}, "both set the height"),
     "unknown limit": ({"limits": {"probe_kN": 1.0}}, "there is no limit 'probe_kN'"),
     "impossible limit": ({"limits": {"probe_in_plane_kN": -3.0}}, "probe_in_plane_kN = -3"),
+    "limit below nothing": ({"limits": {"corridor_clearance_m": -5.0}}, "must be at least 0"),
+    "no policy": ({"policies": []}, "policies"),
+    "the same direction twice": ({"axes": {"waves_from_deg": [0, 360]}}, "listed twice"),
+    "too many seas": ({"axes": {"speed_kn": {"from": 0, "to": 20, "by": 0.0002}}, "effort": {"most": 1000}}, "at most"),
     "no limit": ({"limits": {}}, "limits"),
     "no number": ({"limits": {"probe_in_plane_kN": "much"}}, "limits.probe_in_plane_kN"),
     "acceptance": ({"acceptance": 1.5}, "acceptance = 1.5"),
@@ -91,6 +95,8 @@ RESOLVED: dict[str, tuple[dict[str, Any], tuple[str, ...], str]] = {
     "no seaway": ({"scenario": "calm"}, (), "axes of the sea need a seaway"),
     "wind of the sea": ({"axes": {"wind_speed_mps": [5.0]}}, (), "give the wind by itself"),
     "budget": ({"effort": {"episodes": 79}}, (), "the first round alone takes 80"),
+    "wider than the door": ({"limits": {"corridor_clearance_m": 500.0}}, (), "the hangar door is"),
+    "unknown policy where none is asked": ({"stages": ["secured"]}, ("wizard",), "wizard"),
     "speed beyond": ({"axes": {"speed_kn": [90.0]}}, (), "90"),
     "steep": ({"axes": {"hs_m": [9.0]}}, (), "9"),
 }
@@ -110,6 +116,15 @@ def test_a_file_is_a_window_and_paths_are_told(tmp_path: Path) -> None:
     assert load_window(path).figures == {"probe_in_plane_kN": 15.0}
     with pytest.raises(ConfigurationError, match="there is no such file"):
         load_window(tmp_path / "other.yaml")
+
+
+def test_files_that_a_window_names_lie_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "sea.yaml").write_text(write_yaml(load_scenario("ss4").model_dump(mode="json", exclude_none=True)))
+    (tmp_path / "base.yaml").write_text(write_yaml({**PLAIN, "scenario": "sea.yaml"}))
+    (tmp_path / "mine.yaml").write_text(write_yaml({"base": "base.yaml", "seed": 9}))
+    monkeypatch.chdir("/")
+    found = settings(load_window(tmp_path / "mine.yaml"))["traverse"]
+    assert found.scenario.motion.sea_state == 4  # type: ignore[union-attr]
 
 
 def test_the_scenario_of_the_shipped_window_is_known() -> None:

@@ -66,6 +66,19 @@ def test_the_budget_is_never_passed_and_policies_keep_the_same_cells(truth: dict
     assert [tally.done.sum(axis=1).tolist() for tally in one.values()] == [[30, 20, 20], [30, 20, 20]]
 
 
+def test_the_budget_goes_to_what_is_still_open() -> None:
+    """A cell in which one policy is beyond all doubt is no better for the other one, which lies at the level."""
+    rng = np.random.default_rng(0)
+    truth = {WHO: np.zeros((2, 60), np.bool_), OTHER: np.zeros((2, 60), np.bool_)}
+    truth[WHO][0] = True
+    truth[OTHER][0] = rng.permuted(np.arange(60) % 10 == 0)
+    truth[OTHER][0, :20] = np.arange(20) % 10 == 0
+    config = load_window({**window().model_dump(mode="json"), "axes": {"speed_kn": [0, 5]}})
+    effort = {**config.effort.model_dump(), "episodes": 100}
+    found = run(load_window({**config.model_dump(mode="json"), "effort": effort}), truth)
+    assert [tally.done.sum(axis=1).tolist() for tally in found.values()] == [[20, 30], [20, 30]]
+
+
 def test_more_seas_go_on_where_fewer_have_ended(truth: dict[Who, np.ndarray]) -> None:
     tallies = run(window(most=30), truth)
     assert tallies[WHO].done.sum(axis=1).tolist() == [30, 30, 20]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import polars as pl
 import pytest
 
 from ssmash_gym import cli
+from ssmash_gym.assets import asset_path
 from ssmash_gym.document import write_yaml
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.config import load_window
@@ -49,6 +51,8 @@ def test_the_report_stands_on_the_rows_alone(folder: Path, monkeypatch: pytest.M
     assert {"placard_traverse.svg", "placard_secured.svg", "difference_traverse.svg"} <= names
     assert "difference_secured.svg" not in names  # one policy: nothing to compare
     told = read_document(folder)
+    assert "ssmash window small --policy trapezoid --policy linear --out DIR" in page
+    assert "ss5" in page and "traverse, changed" in page
     assert told["configuration"] in page and not re.search(r"(src|href)=.https?:", page)
     assert write_report(folder).read_text() == page
 
@@ -65,8 +69,9 @@ def test_cells_count_what_rows_say(folder: Path) -> None:
         assert row["exceeded"] == beyond.sum() and row["episodes"] == 3
         use = own["peak_probe_kN"] / 5.0
         lift = 2.0 - own["least_station_kN"] / 2.0
-        worst = max(zip(use, lift, own["seed"], strict=True), key=lambda one: max(one[:2]))
-        assert row["worst_use"] == pytest.approx(max(worst[:2])) and row["worst_seed"] == worst[2]
+        gravity = zip(own["failed"], beyond, use, lift, own["seed"], strict=True)
+        worst = max(gravity, key=lambda one: (one[0], one[1], max(one[2:4])))
+        assert row["worst_use"] == pytest.approx(max(worst[2:4])) and row["worst_seed"] == worst[4]
         assert row["low"] <= row["share"] <= row["high"]
 
 
@@ -74,7 +79,7 @@ def test_other_limits_judge_the_same_rows(folder: Path, tmp_path: Path) -> None:
     other = tmp_path / "other.yaml"
     other.write_text(write_yaml({**DOCUMENT, "limits": {"probe_in_plane_kN": 1e6}, "acceptance": 0.5}))
     page = write_report(folder, limits=str(other)).read_text()
-    cells = pl.read_csv(folder / REPORT / CELLS)
+    cells = pl.read_csv(folder / "report_other" / CELLS)
     assert "over_least_station_kN" not in cells.columns
     lost = read_rows(folder).group_by("stage", "policy", "cell").agg(pl.col("failed").sum())
     assert cells["exceeded"].sum() == lost["failed"].sum()
@@ -90,7 +95,7 @@ def test_the_film_is_the_episode_that_was_judged(folder: Path, tmp_path: Path) -
     assert film_cell(folder, 4, ("linear",), "traverse") == path and path.stat().st_mtime_ns == stamp
     for words, told in (
         ((99, ("linear",), "traverse"), "--cell 99"),
-        ((4, ("hold",), "traverse"), "its policies are linear, trapezoid"),
+        ((4, ("hold",), "traverse"), "its policies are"),
         ((4, (), "flying"), "--stage flying"),
         ((None, ("linear",), "traverse"), "needs one --cell"),
     ):
@@ -105,6 +110,36 @@ def test_the_film_is_the_episode_that_was_judged(folder: Path, tmp_path: Path) -
             film_cell(folder, 4, ("trapezoid",), "traverse")
     finally:
         write_document(folder, kept)
+
+
+def test_the_lost_are_worse_than_the_loaded() -> None:
+    rows = pl.DataFrame(
+        {
+            "stage": ["traverse"] * 4, "policy": ["a"] * 4, "cell": [0] * 4, "number": range(4), "seed": range(4),
+            "sea_state": [5.0] * 4, "peak_probe_kN": [1.0, 0.0, 20.0, 30.0], "failed": [False, True, False, False],
+            "success": [True, False, True, True], "within_validity": [True] * 4,
+        }
+    )  # fmt: skip
+    limit = {"value": 15.0, "label": "", "unit": "kN", "sense": "above", "note": ""}
+    told = {"limits": {"probe_in_plane_kN": limit}, "must_arrive": True, "acceptance": 0.1, "confidence": 0.95}
+    cells = cells_of(judged_rows(rows, {**told, "axes": {"sea_state": {}}}), {**told, "axes": {"sea_state": {}}})
+    assert (cells["worst_seed"][0], cells["lost"][0], cells["exceeded"][0]) == (1, 1, 3)
+
+
+def test_an_agent_of_ones_own_is_found_again_for_its_film(tmp_path: Path) -> None:
+    pytest.importorskip("pygame")
+    mine = tmp_path / "my agent"
+    shutil.copytree(asset_path("agents", "trained", "ppo_traverse"), mine)
+    document = {**DOCUMENT, "stages": ["traverse"], "axes": {"sea_state": [6]}}
+    out = tmp_path / "window"
+    run_sweep(prepared(load_window(document), "small", (f"mine={mine}",)), out, Threads(1), shown=False)
+    said: list[str] = []
+    page = write_report(out, films=1, tell=said.append).read_text()
+    assert not said and "video/mp4" in page
+    shutil.rmtree(out / "films")
+    shutil.rmtree(mine)
+    write_report(out, films=1, tell=said.append)  # a report all the same
+    assert len(said) == 1 and "no film of cell 0" in said[0]
 
 
 def test_what_cannot_be_reported_is_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

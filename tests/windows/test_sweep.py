@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -22,7 +23,7 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.chunks import Chunk, Job
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.engines import Done, Steps, Threads
-from ssmash_gym.windows.rows import KEYS, read_document, read_rows
+from ssmash_gym.windows.rows import KEYS, alone_in, read_document, read_rows
 from ssmash_gym.windows.sweep import Sweep, prepared, run_sweep
 from ssmash_gym.windows.verdicts import cells_of, judged_rows, sentences
 
@@ -148,6 +149,30 @@ def test_other_configurations_are_not_mixed_in(whole: Path) -> None:
     assert (whole / "window.json").read_text() == before
 
 
+def test_rows_tell_themselves_what_they_are_of(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(whole, tmp_path / "copy")
+    monkeypatch.setattr("ssmash_gym.windows.sweep.code", lambda: "other sources")
+    with pytest.raises(ConfigurationError, match="made by other sources"):
+        run_sweep(sweep_of(small()), tmp_path / "copy", Threads(1), shown=False)
+    monkeypatch.undo()
+    (tmp_path / "copy" / "window.json").unlink()
+    with pytest.raises(ConfigurationError, match=r"there are rows but no window\.json"):
+        run_sweep(sweep_of(small()), tmp_path / "copy", Threads(1), shown=False)
+    monkeypatch.setattr("ssmash_gym.windows.chunks.code", lambda: "of a node with another package")
+    with pytest.raises(ConfigurationError, match="a worker runs other sources"):
+        run_sweep(sweep_of(small()), tmp_path / "new", Threads(1), shown=False)
+    assert not (tmp_path / "new" / "rows").exists()
+
+
+def test_two_at_once_in_a_folder_are_refused_and_the_same_rows_twice_do_no_harm(whole: Path, tmp_path: Path) -> None:
+    with alone_in(tmp_path), pytest.raises(ConfigurationError, match="another process is running"):
+        run_sweep(sweep_of(small()), tmp_path, Threads(1), shown=False)
+    run_sweep(sweep_of(small(), size=100), tmp_path, Threads(1), shown=False)
+    for path in (whole / "rows").iterdir():  # chunked otherwise, so under other names
+        shutil.copy(path, tmp_path / "rows")
+    assert read_rows(tmp_path).equals(read_rows(whole))
+
+
 def test_a_policy_joins_later_and_more_seas_too(whole: Path, tmp_path: Path) -> None:
     run_sweep(sweep_of(small(), "trapezoid"), tmp_path, Threads(2), shown=False)
     assert set(read_rows(tmp_path)["policy"]) == {"trapezoid"}
@@ -165,9 +190,9 @@ def test_a_broken_file_of_rows_is_named(whole: Path, tmp_path: Path) -> None:
     (folder / "a.parquet").write_bytes(b"nothing")
     with pytest.raises(ConfigurationError, match=r"a\.parquet: this file of rows cannot be read"):
         read_rows(tmp_path)
-    kept = next((whole / "rows").glob("*.parquet"))
-    for name in ("a", "b"):
-        (folder / f"{name}.parquet").write_bytes(kept.read_bytes())
+    kept = pl.read_parquet(next((whole / "rows").glob("*.parquet")))
+    for name, factor in (("a", 1.0), ("b", 2.0)):
+        kept.with_columns(pl.col("peak_probe_kN") * factor).write_parquet(folder / f"{name}.parquet")
     with pytest.raises(ConfigurationError, match="twice"):
         read_rows(tmp_path)
 
@@ -187,6 +212,10 @@ def test_the_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> 
         ([str(file), "--threads", "0"], "--threads 0 is refused"),
         ([str(file), "--address", "auto"], "--address auto is refused without --engine ray"),
         ([str(file), "--policy", "wizard"], "wizard"),
+        ([str(file), "--films", "2"], "--films 2 is refused without --report"),
+        ([str(file), "--cell", "2"], "--cell 2 is refused without --film"),
+        (["--report", str(tmp_path), "--seeds", "2"], "--seeds 2 is refused without a window to run"),
+        (["--report", str(tmp_path), "--films", "-1"], "--films -1 is refused"),
         ([str(file), "--out", str(taken)], "taken"),
         (["nowhere"], "there is none called 'nowhere'"),
         ([], "give a window to run"),
