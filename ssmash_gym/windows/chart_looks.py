@@ -77,7 +77,7 @@ def beyond_words(limit: Mapping[str, Any]) -> str:
 def quantity(value: object, unit: object = "") -> str:
     """A value with its unit; degrees as their sign."""
     number = (f"{value:g}" if isinstance(value, int | float) else str(value)).replace("-", "−")
-    return f"{number}{'' if not unit else '°' if unit == 'deg' else f'{FIXED}{unit}'}"
+    return f"{number}{'' if unit in ('', '1', None) else '°' if unit == 'deg' else f'{FIXED}{unit}'}"
 
 
 def share_words(share: float) -> str:
