@@ -5,7 +5,8 @@
 A part of the shipped window is run by `ssmash window`'s own code into a temporary folder. Before and after each turn
 as many helicopters are advanced by `Batch.advance` alone, on as many threads: nothing but the compiled call. Speeds are
 simulated seconds a second of wall time, and of CPU time; what the policies start from in common is simulated once and
-counted once. The time in the policies' `act` is told apart. Ratios of one run; the machine should be idle.
+counted once. The time in the policies' `act` is told apart. Ratios of one run; the machine should be idle. Steadier than
+the ratio of two speeds is ``share_in_kernel``: the part of the window's own CPU time that its compiled calls take.
 """
 
 from __future__ import annotations
@@ -15,13 +16,15 @@ import json
 import resource
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ssmash_gym.dynamics import engine
 from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.engines import Threads
@@ -47,6 +50,23 @@ class Timed:
         commands = self.policy.act(observations, starts)
         self.spent_s.append(time.thread_time() - began)
         return commands
+
+
+@contextmanager
+def timed_kernel() -> Iterator[list[float]]:
+    """A list that gets the CPU seconds of each compiled call, in the thread that makes it."""
+    plain, spent_s = engine.advance, []
+
+    def advance(*arguments: Any, **options: Any) -> None:
+        began = time.thread_time()
+        plain(*arguments, **options)
+        spent_s.append(time.thread_time() - began)
+
+    engine.advance = advance
+    try:
+        yield spent_s
+    finally:
+        engine.advance = plain
 
 
 def clocks() -> tuple[float, float]:
@@ -103,7 +123,7 @@ def measured(cells: int, seeds: int, policies: Sequence[str], turns: int, thread
     for _ in range(turns):
         before = alone(sweep, threads, count)
         spent_s.clear()
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, timed_kernel() as kernel_s:
             wall, cpu = clocks()
             run_sweep(sweep, Path(folder), Threads(threads), shown=False)
             passed, used = (after - start for after, start in zip(clocks(), (wall, cpu), strict=True))
@@ -113,6 +133,8 @@ def measured(cells: int, seeds: int, policies: Sequence[str], turns: int, thread
         turned.append(
             {
                 "wall_s": passed, "cpu_s": used, "simulated_s": done, "acting_cpu_s": sum(spent_s),
+                "share_in_kernel": sum(kernel_s) / used,
+                "share_in_kernel_without_acting": sum(kernel_s) / (used - sum(spent_s)),
                 "window_per_wall_s": done / passed, "simulation_per_wall_s": plain[0],
                 "window_per_cpu_s": done / used, "simulation_per_cpu_s": plain[1],
                 "share_of_wall": done / passed / plain[0], "share_of_cpu": done / used / plain[1],

@@ -20,6 +20,7 @@ from ssmash_gym.simulation.batch import Timing
 
 Array = NDArray[np.float64]
 _REMEMBERED: Final = 4096  # seas whose figures are kept; more are worked out anew
+_GUST_TABLES: Final = 128  # that are kept, 30 kB each
 _GUSTS: Final = 1  # distinguishes the gusts' random numbers from the waves' of the same seed
 _CERTAIN: Final = ("fixed", "sinusoid", "file")  # types of motion that draw nothing: the same whatever the seed
 
@@ -76,6 +77,7 @@ class Decks:
         self._duration_s = task.lead_in.duration_s + task.horizon_s + timing.node_spacing_s
         self._records: dict[tuple[str, ...], MotionSource] = {}
         self._figures: dict[str, SeaFigures] = {}
+        self._gusts: dict[tuple[float, float, int], GustTable] = {}
 
     def motion(self, given: Mapping[str, Any], seed: int) -> tuple[Motion, float]:
         """The motion of a drawn section, and its time when the lead-in starts [s].
@@ -115,9 +117,14 @@ class Decks:
         """
         if draw.wind_gust_intensity * draw.wind_speed_mps == 0.0:
             return None
-        rng = np.random.default_rng(np.random.SeedSequence([draw.motion_seed, _GUSTS]))
-        gust = Gust.draw(draw.wind_speed_mps, draw.wind_gust_intensity, rng)
-        return gust.bake(self._duration_s, self._spacing_s, ramp_s=self._ramp_s)
+        key = draw.wind_speed_mps, draw.wind_gust_intensity, draw.motion_seed
+        if key not in self._gusts:  # on another course through the same sea they are the same
+            while len(self._gusts) >= _GUST_TABLES:
+                del self._gusts[next(iter(self._gusts))]
+            rng = np.random.default_rng(np.random.SeedSequence([draw.motion_seed, _GUSTS]))
+            gust = Gust.draw(draw.wind_speed_mps, draw.wind_gust_intensity, rng)
+            self._gusts[key] = gust.bake(self._duration_s, self._spacing_s, ramp_s=self._ramp_s)
+        return self._gusts[key]
 
     def tables(self, draws: Sequence[EpisodeDraw]) -> tuple[list[MotionTable], list[GustTable | None]]:
         """Deck motion and gusts of draws, one table each.

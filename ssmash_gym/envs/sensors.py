@@ -124,6 +124,7 @@ class SensorBank:
         self._reads: Columns = np.zeros(n, np.int64)
         self._level: Array = np.zeros(n)
         self._delay: Array = np.zeros(n)  # in control intervals
+        self._aim()
         self._generators = [np.random.default_rng(0) for _ in range(n)]
 
     @property
@@ -145,22 +146,33 @@ class SensorBank:
         self._reads[columns] = 0
         self._level[columns] = levels
         self._delay[columns] = np.asarray(delays_s) / self._interval
+        self._aim()
         self._past[:, columns] = values
         return self._measured(columns, values)
 
     def read(self, columns: Columns, values: Array) -> Array:
         """Read one instant: the true values (m, k) go in, what is measured comes out."""
-        if self._past.shape[0] > 1:
-            self._past[1:, columns] = self._past[:-1, columns]
-        self._past[0, columns] = values
+        pick: Any = slice(None) if self._all(columns) else columns  # slices spare the copies of a whole bank
+        for age in range(self._past.shape[0] - 1, 0, -1):
+            self._past[age, pick] = self._past[age - 1, pick]
+        self._past[0, pick] = values
         return self._measured(columns, values)
+
+    def _all(self, columns: Columns) -> bool:
+        """Whether these are all helicopters, in order."""
+        return columns.size == self._reads.size and bool((columns[1:] > columns[:-1]).all())
+
+    def _aim(self) -> None:
+        """Work out from the delays between which readings of the past each helicopter's lies."""
+        self._whole = np.floor(self._delay).astype(np.int64)
+        self._part = (self._delay - self._whole)[:, None]
+        self._older = np.minimum(self._whole + 1, self._past.shape[0] - 1)
 
     def _measured(self, columns: Columns, values: Array) -> Array:
         if self._past.shape[0] > 1:
-            whole = np.floor(self._delay[columns]).astype(np.int64)
-            part = (self._delay[columns] - whole)[:, None]
-            older = np.minimum(whole + 1, self._past.shape[0] - 1)
-            values = (1.0 - part) * self._past[whole, columns] + part * self._past[older, columns]
+            part = self._part[columns]
+            newer, older = self._past[self._whole[columns], columns], self._past[self._older[columns], columns]
+            values = (1.0 - part) * newer + part * older
         if not self._noisy:
             return values
         place = self._reads[columns] % _CHUNK
@@ -180,6 +192,7 @@ class SensorBank:
             saved = snapshot[name]
             axis = 1 if name == "_past" else 0
             setattr(self, name, saved.copy() if columns is None else np.take(saved, columns, axis=axis))
+        self._aim()
         found = snapshot["_generators"]
         order = range(len(found)) if columns is None else columns
         self._generators = [copy.deepcopy(found[k]) for k in order]

@@ -30,7 +30,7 @@ from ssmash_gym.windows.rows import WINDOW, alone_in, read_document, read_rows, 
 from ssmash_gym.windows.sequential import UNDECIDED, bounds
 from ssmash_gym.windows.stages import STAGES
 
-SIZE: Final = 480  # seas of a chunk: what an interruption can cost, and what a worker holds at once
+SIZE: Final = 720  # seas of a chunk: what an interruption can cost, and what a worker holds at once
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,11 @@ import polars as pl
 import pytest
 
 from ssmash_gym.envs.batch_env import TraverseBatch
+from ssmash_gym.envs.given import observed
 from ssmash_gym.envs.scenario import load_scenario
+from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.evaluation.episodes import run_episodes
+from ssmash_gym.evaluation.study_entrants import Entrant
 from ssmash_gym.windows.chunks import Chunk, Job, Worker
 from ssmash_gym.windows.config import load_window
 from ssmash_gym.windows.criteria import CRITERIA, columns_read, judged, names_of
@@ -63,6 +66,53 @@ def test_an_episode_is_the_environments_own(job: Job, worker: Worker) -> None:
             here = rows.filter(policy=name, cell=cell, number=number)
             shared = [column for column in alone.columns if column in here.columns]
             assert len(shared) > 20 and here.select(shared).equals(alone.select(shared))
+
+
+class Made:
+    """A policy of made-up commands with a memory, in whatever task."""
+
+    def __init__(self, name: str, task: TaskConfig) -> None:
+        self.name, self.task = name, task
+        self._memory = np.zeros((0, 2))
+
+    def reset(self, count: int) -> None:
+        self._memory = np.zeros((count, 2))
+
+    def act(self, observations: Any, starts: Any = None) -> Any:
+        size = observations.shape[1]
+        weights = np.sin(np.arange(2 * size)).reshape(2, size)
+        seen = np.stack([(observations * row).sum(axis=1) for row in weights], axis=1)
+        self._memory = 0.5 * self._memory + np.tanh(seen)
+        return np.clip(0.3 * self._memory + [0.3, 0.0], -1.0, 1.0).astype(np.float32)
+
+
+def entrant(name: str, observation: str, baseline: str | None) -> Entrant:
+    def make(task: TaskConfig) -> Made:
+        residual = None if baseline is None else {"baseline": baseline, "along": 0.3, "across": 0.5}
+        return Made(
+            name, load_task(observed(load_task(task.model_dump(mode="json") | {"residual": residual}), observation))
+        )
+
+    return Entrant(name, None, "agent", name, make)
+
+
+def test_policies_that_observe_differently_share_their_seas_and_nothing_else() -> None:
+    """Forecasts, the true future, residual actions, weak drives, noise and delays: as alone, whoever drove before."""
+    document = {**WINDOW, "stages": ["traverse"], "scenario": "hard", "policies": ["trapezoid"]}
+    job = prepared(load_window({**document, "axes": {"friction_factor": [0.5, 1.0]}}), "mixed", size=5).job
+    kinds = {"sensors": None, "forecast": None, "oracle": None, "full": "linear"}
+    others = {name: entrant(name, name, baseline) for name, baseline in kinds.items()}
+    entrants = {**job.entrants["traverse"], **others}
+    mixed, setting = replace(job, entrants={"traverse": entrants}), job.settings["traverse"]
+    rows = Worker(mixed).run(chunk((0, 0), (1, 1), policies=("trapezoid", *others)))
+    for name in others:
+        for cell, number in ((0, 0), (1, 1)):
+            scenario = setting.of(job.grid.cell(cell))
+            policy = entrants[name].make(setting.task)
+            alone = run_episodes(policy, scenario, [job.seeds[number]], helicopter=setting.helicopter)
+            here = rows.filter(policy=name, cell=cell, number=number)
+            shared = [column for column in alone.columns if column in here.columns]
+            assert here.select(shared).equals(alone.select(shared)), name
 
 
 def test_a_planner_gets_helicopters_of_its_own(job: Job) -> None:
