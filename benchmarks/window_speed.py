@@ -5,8 +5,8 @@
 A part of the shipped window is run by `ssmash window`'s own code into a temporary folder. Before and after each turn
 as many helicopters are advanced by `Batch.advance` alone, on as many threads: nothing but the compiled call. Speeds are
 simulated seconds a second of wall time, and of CPU time; what the policies start from in common is simulated once and
-counted once. The time in the policies' `act` is told apart. Ratios of one run; the machine should be idle. Steadier than
-the ratio of two speeds is ``share_in_kernel``: the part of the window's own CPU time that its compiled calls take.
+counted once. The time in the policies' `act` is told apart. Ratios of one run; the machine should be idle. Steadier
+than the ratio of two speeds is ``share_in_kernel``: the part of the window's own CPU time that its compiled calls take.
 """
 
 from __future__ import annotations
