@@ -196,7 +196,9 @@ def _again(first: list[str], source: Iterator[list[str]]) -> Iterator[list[str]]
 def _tell(took: list[float]) -> None:
     """How long answers took, on the error stream."""
     if took:
+        within_s = sorted(took)[math.ceil(0.95 * len(took)) - 1]
         print(
-            f"monitor: {len(took)} answers, median {statistics.median(took):.2f} s, longest {max(took):.2f} s each.",
+            f"monitor: {len(took)} answers, median {statistics.median(took):.2f} s, 95 % within {within_s:.2f} s, "
+            f"longest {max(took):.2f} s each.",
             file=sys.stderr,
         )
