@@ -39,7 +39,7 @@ VERBS = {
     "train": Verb("Train an agent from one YAML file; resume a run", "ssmash_gym.agents.training:train"),
     "evaluate": Verb("Compare an agent with the baselines on frozen seeds", "ssmash_gym.agents.evaluation:evaluate"),
     "ship": Verb("Make a folder of a trained agent that can be given away", "ssmash_gym.training.ship:ship"),
-    "window": Verb("Sweep seas, courses and speeds for a safe operating window", "ssmash_gym.windows.verb:window"),
+    "window": Verb("Sweep seas, courses and speeds: where limits are kept", "ssmash_gym.windows.verb:window"),
     "film": Verb("Film a sea of a study, driven by several side by side", "ssmash_gym.evaluation.film_study:film"),
     "simulate": Verb("Run one helicopter on a moving deck and record it", "ssmash_gym.simulate:simulate"),
     "run": Verb("Run a case: the thesis' input files, or a case in YAML", "ssmash_gym.thesis_files.verbs:run"),

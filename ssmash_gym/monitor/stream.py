@@ -33,7 +33,8 @@ def batches(source: str, pace: Pace, wait_s: float = WAIT_S) -> Iterator[list[st
         ConfigurationError: The file cannot be read.
     """
     if source != STANDARD_INPUT and not Path(source).is_file():
-        raise ConfigurationError(f"monitor: --follow {source}: there is no such file.")
+        what = "this is a folder, no file" if Path(source).is_dir() else "there is no such file"
+        raise ConfigurationError(f"monitor: --follow {source}: {what}.")
     if pace != "live":
         lines = _finished(sys.stdin.buffer) if source == STANDARD_INPUT else _of_file(Path(source))
         yield from _timed(lines) if pace == "real" else ([line] for line in lines)

@@ -100,6 +100,7 @@ class Monitor:
             "configuration": digest(told, task.model_dump(mode="json")),
             "settings": told,
             "limits": task.limits.model_dump(mode="json"),
+            "deck_limits": dict(self.settings.deck_limits),
             "judged": list(JUDGED),
             "limits_are": "assumed",
             "quiet_shortest_s": SHORTEST_S,
@@ -144,7 +145,8 @@ class Monitor:
         """
         fault = self.intake.latest_fault
         told = f" (last: {fault})" if fault else ""
-        return self._unknown(self.intake.clock_s, f"no usable sample for {silence_s:.0f} s{told}")
+        hint = "" if self.intake.accepted and fault else "; a finished record is replayed with --pace fast or real"
+        return self._unknown(self.intake.clock_s, f"no usable sample for {silence_s:.0f} s{told}{hint}")
 
     def doubted(self, reason: str) -> Answer:
         """The answer where the newest sample may not be of now.

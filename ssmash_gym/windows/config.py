@@ -10,12 +10,12 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from ssmash_gym.envs.loading import BASE_KEY, merged, read
-from ssmash_gym.errors import shown
+from ssmash_gym.errors import ConfigurationError, shown
 from ssmash_gym.sections import validated
 from ssmash_gym.ship.sea import SEA_STATES
 from ssmash_gym.windows.axes import AXES
 from ssmash_gym.windows.criteria import CRITERIA
-from ssmash_gym.windows.stages import STAGES, TRAVERSE
+from ssmash_gym.windows.stages import STAGES, TOUCHDOWN, TRAVERSE
 
 MOST_CELLS: Final = 200_000
 MOST_SEAS: Final = 50_000_000  # of all cells together: the plan keeps a byte or so of each
@@ -57,6 +57,8 @@ class Limit(Section):
 def _spread(given: Any) -> Any:
     """``{from: 0, to: 345, by: 15}`` as a list; a list stays as it is."""
     if not isinstance(given, Mapping):
+        if not isinstance(given, list | tuple):
+            raise ValueError(f"{shown(given)}: give a list of numbers, or {{from: , to: , by: }}")
         return given
     if set(given) != {"from", "to", "by"}:
         raise ValueError(f"{shown(dict(given))}: give a list of numbers, or {{from: , to: , by: }}")
@@ -65,6 +67,8 @@ def _spread(given: Any) -> Any:
     if not numbers or not by > 0.0 or not last >= first or not math.isfinite(first + last + by):
         raise ValueError(f"{shown(dict(given))}: from must not exceed to, and by must be above 0")
     count = math.floor((last - first) / by + 1e-9) + 1
+    if abs(first + (count - 1) * by - last) > 1e-6 * by:
+        raise ValueError(f"{shown(dict(given))}: to is not reached from {first:g} in steps of {by:g}")
     if count > MOST_CELLS:
         raise ValueError(f"{shown(dict(given))}: {count} values are too many, at most {MOST_CELLS}")
     return [first + k * by for k in range(count)]
@@ -118,7 +122,8 @@ class WindowConfig(Section):
                 raise ValueError(f"there is no axis {name!r}; there are {', '.join(AXES)}")
             turned = {value % 360.0 for value in values} if name.endswith("_from_deg") else set(values)
             if len(turned) < len(values):
-                raise ValueError(f"{name}: a value is listed twice")
+                same = ", or one that is the same direction" if name.endswith("_from_deg") else ""
+                raise ValueError(f"{name}: a value is listed twice{same}")
         for state in given.get("sea_state", ()):
             if state not in SEA_STATES:
                 allowed = ", ".join(map(str, SEA_STATES))
@@ -147,6 +152,11 @@ class WindowConfig(Section):
             stage = AXES[name].stage
             if stage is not None and self.stages != (stage,):
                 raise ValueError(f"axes.{name} is of the stage {stage} alone: a window with it must have no other")
+        if TOUCHDOWN in self.stages and "least_station_kN" in self.limits:
+            raise ValueError(
+                "limits.least_station_kN is refused with the stage touchdown: a helicopter in the air stands on "
+                "nothing at first (in a window with a base, null takes a limit away)"
+            )
         seas = math.prod(map(len, self.axes.values())) * self.effort.most
         if seas > MOST_SEAS:
             raise ValueError(f"cells times effort.most are {seas:,}, at most {MOST_SEAS:,}")
@@ -165,21 +175,36 @@ class WindowConfig(Section):
 def load_window(window: str | Path | Mapping[str, Any]) -> WindowConfig:
     """Load a window: a name in ``configs/windows``, a YAML file, or a ready document.
 
-    A file may have the key ``base``, the name or file of another window that its other keys change, key by key.
+    A file may have the key ``base``, the name or file of another window that its other keys change, key by key; null
+    takes an axis or a limit of the base away.
 
     Raises:
         ConfigurationError: Unknown name or key, or a value that is not allowed; one sentence.
     """
     if isinstance(window, Mapping):
         return validated(WindowConfig, window, "window")
-    document, source = read("windows", window)
-    folder = Path(window).parent if Path(window).suffix else None
-    document = document if folder is None else _placed(document, folder)
-    if BASE_KEY in document:
-        named = Path(str(document.pop(BASE_KEY)))
-        base, _ = read("windows", str(named))
-        document = merged(_placed(base, named.parent) if named.suffix else base, document)
+    document, source = _read(window, ())
     return validated(WindowConfig, document, source)
+
+
+def _read(window: str | Path, above: tuple[str, ...]) -> tuple[dict[str, Any], str]:
+    """The document of a window laid over those of its bases, and its name in messages.
+
+    Raises:
+        ConfigurationError: A file cannot be read, or a window is its own base.
+    """
+    if str(window) in above:
+        raise ConfigurationError(f"windows: {' -> '.join((*above, str(window)))}: a window is its own base.")
+    document, source = read("windows", window)
+    document = _placed(document, Path(window).parent) if Path(window).suffix else document
+    if BASE_KEY not in document:
+        return document, source
+    base, _ = _read(str(document.pop(BASE_KEY)), (*above, str(window)))
+    laid = merged(base, document)
+    for key in ("axes", "limits"):
+        if isinstance(laid.get(key), Mapping):
+            laid[key] = {name: value for name, value in laid[key].items() if value is not None}
+    return laid, source
 
 
 def _placed(document: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -41,12 +41,15 @@ def film_cell(folder: Path, cell: int | None, policies: Sequence[str], stage: st
     stages = list(told["stages"])
     chosen = stage or (stages[0] if len(stages) == 1 else None)
     if chosen not in stages:
-        raise ConfigurationError(f"--stage {stage} is refused: the window has {', '.join(stages)}.")
+        word = "--film needs --stage" if stage is None else f"--stage {stage} is refused"
+        raise ConfigurationError(f"{word}: the window has {', '.join(stages)}.")
     if cell is None or len(policies) > 1:
-        raise ConfigurationError("--film needs one --cell and one --policy: the report tells their numbers and names.")
+        raise ConfigurationError("--film needs one --cell, and one --policy at most: the report tells both.")
     cells = cells_of(judged_rows(read_rows(folder), told), told)
     here = cells.filter(pl.col("stage") == chosen)
     names = here["policy"].unique(maintain_order=True).to_list()
+    if not policies and len(names) > 1:
+        raise ConfigurationError(f"--film needs --policy: the window has {', '.join(names)} in this stage.")
     word = policies[0] if policies else names[0]
     name = word if word in names else _name_of(word)
     found = here.filter(pl.col("policy") == name, pl.col("cell") == cell)

@@ -102,7 +102,7 @@ def contents(
     data = page_data(cells, rows, document, identifiers)
     return {
         "generator": f"ssmash_gym {__version__}",
-        "title": f"Safe operating window “{document.get('name', '')}”",
+        "title": f"Operating window “{document.get('name', '')}”, simulated",
         "description": str(document.get("description") or ""),
         "facts": page_words.facts(cells, document),
         "answer": page_words.headline(cells, document),

@@ -75,7 +75,7 @@ def _compared(cells: pl.DataFrame, stage: str, one: str, other: str) -> str:
     ]
     both = set(cells.filter(pl.col("policy") == one)["cell"]) & set(cells.filter(pl.col("policy") == other)["cell"])
     only, lost = len((sets[0] - sets[1]) & both), len((sets[1] - sets[0]) & both)
-    return f"Of the {stage} cells that both met, {only} are within with {one} only, {lost} with {other} only."
+    return f"Of the {stage} cells that both policies ran, {only} are within with {one} only, {lost} with {other} only."
 
 
 # --- tables --------------------------------------------------------------------------------------------------
@@ -219,7 +219,7 @@ def facts(cells: pl.DataFrame, document: Mapping[str, Any]) -> list[tuple[str, s
     total = int(cells["episodes"].sum() or 0)
     low, high = cells["episodes"].min(), cells["episodes"].max()
     told = [
-        ("cells", f"{cells.height:,}"), ("episodes", f"{total:,}"),
+        ("cells", f"{cells['cell'].n_unique():,}"), ("episodes", f"{total:,}"),
         ("in a cell", str(low) if low == high else f"{low!s} to {high!s}"), ("seed", str(document.get("seed", DASH))),
     ]  # fmt: skip
     told += [("accepted share", share_words(float(document.get("acceptance", 0.1))))]

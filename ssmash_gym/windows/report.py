@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,6 +20,7 @@ from ssmash_gym.windows.config import load_window
 from ssmash_gym.windows.film import film_worst, known
 from ssmash_gym.windows.page import Film, write_window_page
 from ssmash_gym.windows.rows import read_rows
+from ssmash_gym.windows.sequential import UNDECIDED
 from ssmash_gym.windows.sweep import limits_told
 from ssmash_gym.windows.verdicts import cells_of, judged_rows
 
@@ -54,6 +56,9 @@ def write_report(
         raise ConfigurationError(f"{folder}: no episode has been run there yet.")
     rows = judged_rows(rows, told)
     cells = cells_of(rows, told)
+    if limits is None and (left := unfinished(told, cells)):
+        told = {**told, "description": f"{told['description']} This window is {left}."}
+        tell(left)
     out = folder / (REPORT if limits is None else f"{REPORT}_{Path(limits).stem}")
     shown = _films(folder, told, cells, films, tell)
     for stage in charts.stages_of(cells, told):
@@ -69,7 +74,22 @@ def command_of(told: Mapping[str, Any]) -> str:
     """The command that makes a window's rows anew."""
     words = [one["word"] for one in told["policies"].values() if one.get("word")]
     policies = " ".join(f"--policy {shlex.quote(word)}" for word in words)
-    return " ".join(f"ssmash window {shlex.quote(str(told['source']))} {policies} --out DIR".split(" "))
+    effort = told["resolved"]["effort"]
+    given = " ".join(f"--{key} {effort[key]}" for key in ("seeds", "most", "episodes") if effort[key] is not None)
+    return " ".join(f"ssmash window {shlex.quote(str(told['source']))} {policies} {given} --out DIR".split())
+
+
+def unfinished(told: Mapping[str, Any], cells: pl.DataFrame) -> str:
+    """A sentence where a window has not been run to its end, by its own rule; empty where it has, or had a budget."""
+    effort = told["resolved"]["effort"]
+    if effort["episodes"] is not None:
+        return ""
+    few = (pl.col("verdict") == UNDECIDED) & (pl.col("episodes") < effort["most"])
+    left = cells.filter(few | (pl.col("episodes") < effort["seeds"])).height
+    planned = math.prod(len(axis["values"]) for axis in told["axes"].values())
+    started = cells.group_by("stage", "policy").len()["len"].to_list()
+    left += sum(planned - count for count in started)
+    return f"not finished: {left:,} cells would still get seas; {command_of(told)} goes on" if left else ""
 
 
 def _judged_by(told: dict[str, Any], limits: str) -> dict[str, Any]:

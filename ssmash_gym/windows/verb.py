@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import tyro
 from rich.console import Console
@@ -14,7 +14,11 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.engines import Engine, Threads
 from ssmash_gym.windows.rows import read_document, read_rows
+from ssmash_gym.windows.stages import STAGES
 from ssmash_gym.windows.verdicts import cells_of, judged_rows, sentences
+
+if TYPE_CHECKING:
+    from ssmash_gym.windows.sweep import Sweep
 
 FILMS: Final = 4  # of a report
 Policies = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
@@ -137,15 +141,42 @@ def _run(
     console = Console()
     name = Path(config).stem if config.endswith((".yaml", ".yml")) else config
     sweep = prepared(_with_effort(load_window(config), effort), name, policies, source=config)
+    for sentence in (*hints(sweep), going_on(out)):
+        console.print(sentence, markup=False, soft_wrap=True)
     try:
         run_sweep(sweep, out, engine(), shown=Console(stderr=True).is_terminal)
     except KeyboardInterrupt:
-        console.print(f"what is done is kept in {out}; the same command goes on there", soft_wrap=True)
+        kept = read_rows(out, ()).height
+        console.print(f"{kept:,} episodes are kept in {out}; the same command goes on there", soft_wrap=True)
         raise
     told, rows = read_document(out), read_rows(out)
     for sentence in sentences(cells_of(judged_rows(rows, told), told)):
         console.print(sentence, markup=False, soft_wrap=True)
     console.print(f"dataset in {out}; `ssmash window --report {out}` draws it", soft_wrap=True)
+
+
+def hints(sweep: Sweep) -> list[str]:
+    """What a user might not expect of a window that is about to be run, a sentence each."""
+    from ssmash_gym.windows.sequential import WITHIN, bounds
+
+    config, found = sweep.config, []
+    seas = next(n for n in range(1, 100_000) if bounds(0, n, config.confidence).verdicts(config.acceptance) == WITHIN)
+    if config.effort.most < seas:
+        found.append(
+            f"note: with at most {config.effort.most} seas no cell can be shown to be within, even if nothing "
+            f"happens in it: that takes {seas} at an acceptance of {100 * config.acceptance:g} % and a confidence of "
+            f"{100 * config.confidence:g} %"
+        )
+    alone = [stage for stage in config.stages if STAGES[stage].policy is not None]
+    if alone:
+        found.append(f"note: {' and '.join(alone)}: nobody drives; the rows are named {STAGES[alone[0]].policy}")
+    return found
+
+
+def going_on(out: Path) -> str:
+    """What lies in a window's folder already."""
+    count = read_rows(out, ()).height
+    return f"going on in {out}: {count:,} episodes are there" if count else f"running into {out}"
 
 
 def _with_effort(config: WindowConfig, given: dict[str, int | None]) -> WindowConfig:

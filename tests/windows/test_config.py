@@ -60,6 +60,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "unknown axis": ({"axes": {"depth_m": [1]}}, "there is no axis 'depth_m'"),
     "empty axis": ({"axes": {"speed_kn": []}}, "axes.speed_kn"),
     "twice the same value": ({"axes": {"speed_kn": [5, 5]}}, "listed twice"),
+    "no list": ({"axes": {"speed_kn": 0}}, "give a list of numbers"),
+    "not reached": ({"axes": {"speed_kn": {"from": 0, "to": 10, "by": 3}}}, "to is not reached"),
+    "lift-off of what is in the air": (
+        {"stages": ["touchdown"], "limits": {"least_station_kN": 2.0}},
+        "refused with the stage touchdown",
+    ),
     "backwards": ({"axes": {"speed_kn": {"from": 5, "to": 0, "by": 1}}}, "from must not exceed to"),
     "too many": ({"axes": {"speed_kn": {"from": 0, "to": 20, "by": 1e-7}}}, "too many"),
     "sea state without source": ({"axes": {"sea_state": [7]}}, "sea_state = 7"),
@@ -125,6 +131,22 @@ def test_files_that_a_window_names_lie_beside_it(tmp_path: Path, monkeypatch: py
     monkeypatch.chdir("/")
     found = settings(load_window(tmp_path / "mine.yaml"))["traverse"]
     assert found.scenario.motion.sea_state == 4  # type: ignore[union-attr]
+
+
+def test_bases_have_bases_and_null_takes_away(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(
+        write_yaml(
+            {"base": "frigate_secured", "axes": {"speed_kn": None}, "limits": {"deck_roll_deg": None}, "seed": 4}
+        )
+    )
+    found, base = load_window(mine), load_window("frigate_traverse")
+    assert found.stages == ("secured",) and set(base.axes) - set(found.axes) == {"speed_kn"}
+    assert set(base.limits) - set(found.limits) == {"deck_roll_deg"}
+    (tmp_path / "a.yaml").write_text(write_yaml({"base": "b.yaml"}))
+    (tmp_path / "b.yaml").write_text(write_yaml({"base": "a.yaml"}))
+    with pytest.raises(ConfigurationError, match="a window is its own base"):
+        load_window(tmp_path / "a.yaml")
 
 
 def test_the_scenario_of_the_shipped_window_is_known() -> None:

@@ -51,7 +51,7 @@ def test_the_report_stands_on_the_rows_alone(folder: Path, monkeypatch: pytest.M
     assert {"placard_traverse.svg", "placard_secured.svg", "difference_traverse.svg"} <= names
     assert "difference_secured.svg" not in names  # one policy: nothing to compare
     told = read_document(folder)
-    assert "ssmash window small --policy trapezoid --policy linear --out DIR" in page
+    assert "ssmash window small --policy trapezoid --policy linear --seeds 3 --most 3 --out DIR" in page
     assert "ss5" in page and "traverse, changed" in page
     assert told["configuration"] in page and not re.search(r"(src|href)=.https?:", page)
     assert write_report(folder).read_text() == page
@@ -98,6 +98,8 @@ def test_the_film_is_the_episode_that_was_judged(folder: Path, tmp_path: Path) -
         ((4, ("hold",), "traverse"), "its policies are"),
         ((4, (), "flying"), "--stage flying"),
         ((None, ("linear",), "traverse"), "needs one --cell"),
+        ((4, (), "traverse"), "--film needs --policy"),
+        ((4, (), None), "--film needs --stage"),
     ):
         with pytest.raises(ConfigurationError, match=re.escape(told)):
             film_cell(folder, *words)
@@ -110,6 +112,19 @@ def test_the_film_is_the_episode_that_was_judged(folder: Path, tmp_path: Path) -
             film_cell(folder, 4, ("trapezoid",), "traverse")
     finally:
         write_document(folder, kept)
+
+
+def test_a_window_that_was_stopped_says_so(folder: Path, tmp_path: Path) -> None:
+    said: list[str] = []
+    write_report(folder, tell=said.append)
+    assert not said
+    shutil.copytree(folder, tmp_path / "stopped")
+    for path in list((tmp_path / "stopped" / "rows").iterdir()):
+        rows = pl.read_parquet(path).filter(pl.col("cell") != 2)
+        rows.write_parquet(path)
+    page = write_report(tmp_path / "stopped", tell=said.append).read_text()
+    assert len(said) == 1 and "not finished: 3 cells" in said[0]  # of three policies, one of them holding
+    assert "not finished" in page
 
 
 def test_the_lost_are_worse_than_the_loaded() -> None:

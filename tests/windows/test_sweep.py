@@ -204,6 +204,9 @@ def test_the_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> 
     assert cli.main(words) == 0
     told = capfd.readouterr().out
     assert "traverse, trapezoid: 0 of 1 cells within the limits" in told and "--report" in told
+    assert "no cell can be shown to be within" in told and "running into" in told
+    assert cli.main(words) == 0
+    assert "2 episodes are there" in capfd.readouterr().out
     assert json.loads((tmp_path / "out" / "window.json").read_text())["name"] == "one"
     taken = tmp_path / "taken"
     taken.write_text("a file")
