@@ -7,6 +7,7 @@ again, so that nothing is lost on the way from file to object to file.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -113,6 +114,20 @@ def read_file(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise ConfigurationError(f"{path}: the file cannot be read ({error.strerror or error}).") from None
     return read_yaml(text, str(path))
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """A JSON record that this package has written; empty where there is none.
+
+    Raises:
+        ConfigurationError: It cannot be read.
+    """
+    if not path.is_file():
+        return {}
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, TypeError, OSError) as error:
+        raise ConfigurationError(f"{path}: this record cannot be read ({error}).") from None
 
 
 def plain_copy(value: Any) -> Any:

@@ -12,6 +12,7 @@ from typing import Any, Final
 import polars as pl
 
 import ssmash_gym
+from ssmash_gym.document import read_record
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import Condition, digest
 from ssmash_gym.evaluation.episodes import run_episodes, share_of
@@ -129,7 +130,7 @@ def run_study(plan: Plan, out: Path, *, threads: int | None = None, shown: bool 
         ConfigurationError: The folder holds rows of another configuration; nothing has been written.
         KeyboardInterrupt: The same call goes on where this one was stopped.
     """
-    present, earlier = read_rows(out), _earlier(out)
+    present, earlier = read_rows(out), read_record(out / STUDY)
     _refuse_mixing(plan, present, earlier, out)
     document = _document(plan, earlier)
     write_text(out / STUDY, json.dumps(document, indent=1) + "\n")
@@ -173,21 +174,6 @@ def _missing(chunks: Sequence[Chunk], present: pl.DataFrame) -> list[Chunk]:
             first = chunk.first + chunk.seas.index(left[0])
             found.append(Chunk(chunk.entrant, chunk.condition, first, left))
     return found
-
-
-def _earlier(out: Path) -> dict[str, Any]:
-    """The ``study.json`` of the folder; empty where there is none.
-
-    Raises:
-        ConfigurationError: It cannot be read.
-    """
-    path = out / STUDY
-    if not path.is_file():
-        return {}
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (ValueError, OSError) as error:
-        raise ConfigurationError(f"{path}: the study's record cannot be read ({error}).") from None
 
 
 def _document(plan: Plan, earlier: dict[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import polars as pl
 
+from ssmash_gym.document import read_record
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.files import whole_file, write_text
 from ssmash_gym.windows.chunks import KEYS
@@ -89,10 +90,4 @@ def read_document(out: Path) -> dict[str, Any]:
     Raises:
         ConfigurationError: It cannot be read.
     """
-    path = out / WINDOW
-    if not path.is_file():
-        return {}
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (ValueError, OSError) as error:
-        raise ConfigurationError(f"{path}: the window's record cannot be read ({error}).") from None
+    return read_record(out / WINDOW)

@@ -78,25 +78,29 @@ def _bounds(s: Array, n: Array, refuted: float) -> tuple[Array, Array]:
 
 def log_bet_smaller(p: ArrayLike, hits: ArrayLike, episodes: ArrayLike) -> Array:
     """Logarithm of the martingale that bets on shares smaller than p: large where p is too great."""
-    from scipy.special import betainc, betaln
+    from scipy.special import betainc
 
-    a, b = _SMALLER
-    share, s, n = _floats(p, hits, episodes)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mixed = betaln(a + s, b + n - s) + np.log(betainc(a + s, b + n - s, share))
-        before = betaln(a, b) + np.log(betainc(a, b, share))
-    return np.asarray(mixed - before - _log_likelihood(share, s, n))
+    return _log_bet(p, hits, episodes, _SMALLER, betainc)
 
 
 def log_bet_greater(p: ArrayLike, hits: ArrayLike, episodes: ArrayLike) -> Array:
     """Logarithm of the martingale that bets on shares greater than p: large where p is too small."""
-    from scipy.special import betaincc, betaln
+    from scipy.special import betaincc
 
-    a, b = _GREATER
+    return _log_bet(p, hits, episodes, _GREATER, betaincc)
+
+
+def _log_bet(
+    p: ArrayLike, hits: ArrayLike, episodes: ArrayLike, mixture: tuple[float, float], part: Callable[..., Array]
+) -> Array:
+    """Logarithm of a bet: likelihood under the part of a Beta mixture on one side of p, over that under p."""
+    from scipy.special import betaln
+
+    a, b = mixture
     share, s, n = _floats(p, hits, episodes)
     with np.errstate(divide="ignore", invalid="ignore"):
-        mixed = betaln(a + s, b + n - s) + np.log(betaincc(a + s, b + n - s, share))
-        before = betaln(a, b) + np.log(betaincc(a, b, share))
+        mixed = betaln(a + s, b + n - s) + np.log(part(a + s, b + n - s, share))
+        before = betaln(a, b) + np.log(part(a, b, share))
     return np.asarray(mixed - before - _log_likelihood(share, s, n))
 
 

@@ -163,7 +163,7 @@ def test_what_cannot_be_reported_is_told(tmp_path: Path, capfd: pytest.CaptureFi
     assert "no episode has been run there yet" in capfd.readouterr().err
     (tmp_path / "window.json").write_text("{")
     assert cli.main(["window", "--report", str(tmp_path)]) == 1
-    assert "the window's record cannot be read" in capfd.readouterr().err
+    assert "this record cannot be read" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(
