@@ -13,10 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import binomtest
 
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.plan import Tally, rounds
-from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN, bounds
+from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN, Bounds, bounds
 
 PROBABILITIES = (0.0, 0.01, 0.02, 0.05, 0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 0.9)
 WHO = ("traverse", "synthetic")
@@ -100,14 +101,9 @@ def wrong(verdicts: np.ndarray, probability: float, acceptance: float) -> np.nda
 
 def fixed_verdicts(hits: np.ndarray, episodes: int, config: WindowConfig) -> np.ndarray:
     """Verdicts of a fixed number of episodes with Wilson's interval."""
-    from scipy.stats import norm
-
-    z = norm.ppf(0.5 + 0.5 * config.confidence)
-    share = hits / episodes
-    middle = (share + 0.5 * z * z / episodes) / (1.0 + z * z / episodes)
-    half = z / (1.0 + z * z / episodes) * np.sqrt(share * (1.0 - share) / episodes + 0.25 * (z / episodes) ** 2)
-    low, high = middle - half, middle + half
-    return np.where(high <= config.acceptance, WITHIN, np.where(low > config.acceptance, BEYOND, UNDECIDED))
+    found = [binomtest(k, episodes).proportion_ci(config.confidence, method="wilson") for k in range(episodes + 1)]
+    bounds = Bounds(*(np.array([getattr(one, side) for one in found])[hits] for side in ("low", "high")))
+    return bounds.verdicts(config.acceptance)
 
 
 def main(words: Sequence[str] | None = None) -> None:

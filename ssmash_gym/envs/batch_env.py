@@ -222,17 +222,31 @@ class TraverseBatch:
         if self.book.over[chosen].any():
             k = int(chosen[np.argmax(self.book.over[chosen])])
             raise RuntimeError(f"the episode of helicopter {k} is over or has not begun: reset it first")
+        reading, saturation = self.moved(actions, chosen)
+        self.book.note(chosen, reading, saturation)
+        return self._judged(chosen, reading, saturation)
+
+    def moved(self, actions: ArrayLike, columns: Columns | None = None) -> tuple[Reading, Array]:
+        """What a step begins with: one control interval of motion, read but not judged, noted or observed.
+
+        Args:
+            actions: As of `step`.
+            columns: Which columns, (m,); None means all. Whether their episodes run is not looked at.
+
+        Returns:
+            What can be read of the interval; share of each command that lay beyond +-1, (m,).
+        """
+        chosen = self.batch.columns(columns)
         commands, saturation = self._commands(actions, chosen)
         previous = self.book.command[chosen]
-        self.batch.advance(commands, chosen)
+        self.batch.advance(commands, columns)
         self.book.command[chosen] = commands
         self.book.steps[chosen] += 1
         telemetry, bad = columns_of(self.batch.telemetry, chosen)
         reading = self._reading(chosen, telemetry, bad | self.batch.diverged[chosen], previous)
         self.reading = reading
         self.book.held[chosen] = reading.held
-        self.book.note(chosen, reading, saturation)
-        return self._judged(chosen, reading, saturation)
+        return reading, saturation
 
     def _commands(self, actions: ArrayLike, columns: Columns) -> tuple[Array, Array]:
         raw = np.asarray(actions, dtype=np.float64)
@@ -251,18 +265,11 @@ class TraverseBatch:
     def _reading(self, columns: Columns, telemetry: Telemetry, broken: Flags, previous: Array) -> Reading:
         steps = self.book.steps[columns]
         return Reading(
-            task=self.task,
-            telemetry=telemetry,
-            steps=steps,
-            counted=steps > self.task.grace_steps,
-            command=self.book.command[columns],
-            previous=previous,
-            held_before=self.book.held[columns],
-            peak_before_N=self.book.peak_probe_N[columns],
-            broken=broken,
-            half_spread_m=self._half_spread,
+            task=self.task, telemetry=telemetry, steps=steps, counted=steps > self.task.grace_steps,
+            command=self.book.command[columns], previous=previous, held_before=self.book.held[columns],
+            peak_before_N=self.book.peak_probe_N[columns], broken=broken, half_spread_m=self._half_spread,
             limit_steps=self.limit_steps,
-        )
+        )  # fmt: skip
 
     def _judged(self, columns: Columns, reading: Reading, saturation: Array) -> StepResult:
         """Observation, reward, costs and endings of an interval."""

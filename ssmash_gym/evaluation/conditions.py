@@ -56,11 +56,7 @@ class Condition:
     @property
     def configuration(self) -> str:
         """Hash of all that is resolved; what is only said about it does not count."""
-        return digest(
-            self.task.model_dump(mode="json", exclude={"description"}),
-            self.scenario.model_dump(mode="json", exclude={"description"}),
-            self.helicopter.model_dump(mode="json", exclude={"provenance"}),
-        )
+        return digest(*hashed(self.task, self.scenario, self.helicopter))
 
     def check(self) -> None:
         """Refuse what cannot be started.
@@ -97,6 +93,23 @@ def resolved(name: str, config: ConditionConfig, task: str, helicopter: Helicopt
         )
     except ConfigurationError as error:
         raise ConfigurationError(f"study: conditions.{name}: {error}") from None
+
+
+def written(task: TaskConfig, scenario: ScenarioConfig, helicopter: Helicopter) -> dict[str, Any]:
+    """What is simulated, resolved, as a record holds it."""
+    return {
+        "task": task.model_dump(mode="json"),
+        "scenario": scenario.model_dump(mode="json"),
+        "helicopter": helicopter.model_dump(mode="json", exclude={"provenance"}),
+    }
+
+
+def hashed(task: TaskConfig, scenario: ScenarioConfig, helicopter: Helicopter) -> list[dict[str, Any]]:
+    """The same for `digest`, part by part: what is only said about task and scenario does not count."""
+    parts = written(task, scenario, helicopter)
+    for name in ("task", "scenario"):
+        del parts[name]["description"]
+    return list(parts.values())
 
 
 def digest(*parts: Any) -> str:

@@ -66,6 +66,12 @@ def planners() -> Mapping[str, Callable[[TaskConfig], Policy]]:
     return cast("Mapping[str, Callable[[TaskConfig], Policy]]", registry)
 
 
+def is_scripted(name: str) -> bool:
+    """Whether a name, perhaps with ``@SPEED``, is that of a scripted policy or a planner."""
+    plain = name.partition("@")[0]
+    return plain in baselines() or plain in planners()
+
+
 def make_baseline(name: str, task: TaskConfig) -> Policy:
     """A scripted policy or a planner; its commands are the claw's, whatever an agent's residual action corrects.
 
@@ -143,7 +149,7 @@ def agent_folder(name_or_folder: str) -> Path:
         raise ConfigurationError(
             f"{folder}: this run has not been finished; name one of its checkpoints, or go on with train.py --resume."
         )
-    if name_or_folder in baselines() or name_or_folder in planners():
+    if is_scripted(name_or_folder):
         raise ConfigurationError(f"{name_or_folder!r} is a scripted policy, no trained agent: name it in --against.")
     names = ", ".join([*shipped, *baselines()])
     raise ConfigurationError(f"there is no agent {name_or_folder!r}: give a run folder or one of {names}.")

@@ -59,22 +59,40 @@ def read_rows(out: Path) -> pl.DataFrame:
     Raises:
         ConfigurationError: A file holds no such rows, or a sea stands twice in the rows of a policy and condition.
     """
-    frames = []
-    for path in sorted((out / ROWS).glob("*.parquet")):
-        try:
-            frame = pl.read_parquet(path)
-        except (pl.exceptions.PolarsError, OSError) as error:
-            raise ConfigurationError(f"{path}: this file of rows cannot be read ({error}).") from None
-        missing = [name for name in KEYS if name not in frame.columns]
-        if missing:
-            raise ConfigurationError(f"{path}: this is no file of a study's rows: the column {missing[0]} is missing.")
-        frames.append(frame)
+    frames = read_frames(out / ROWS, KEYS, "a study's rows")
     if not frames:
         return pl.DataFrame(schema={name: pl.String for name in KEYS} | {"training_seed": pl.Int64, "sea": pl.Int64})
     rows = pl.concat(frames, how="diagonal_relaxed")
     if rows.select("policy", "training_seed", "condition", "sea").is_duplicated().any():
         raise ConfigurationError(f"{out / ROWS}: some episodes stand there twice: remove the folder and run it again.")
     return rows
+
+
+def read_frames(
+    folder: Path, keys: Sequence[str], kind: str, columns: Sequence[str] | None = None
+) -> list[pl.DataFrame]:
+    """The tables of a folder's Parquet files, in the order of their names.
+
+    Args:
+        folder: Where they lie; there may be none.
+        keys: Columns that each must have.
+        kind: What they are of, for messages.
+        columns: Those to read besides the keys; all by default.
+
+    Raises:
+        ConfigurationError: A file cannot be read, or lacks a key.
+    """
+    frames = []
+    for path in sorted(folder.glob("*.parquet")):
+        try:
+            frame = pl.read_parquet(path, columns=None if columns is None else [*keys, *columns])
+        except (pl.exceptions.PolarsError, OSError) as error:
+            raise ConfigurationError(f"{path}: this file of rows cannot be read ({error}).") from None
+        missing = [name for name in keys if name not in frame.columns]
+        if missing:
+            raise ConfigurationError(f"{path}: this is no file of {kind}: the column {missing[0]} is missing.")
+        frames.append(frame)
+    return frames
 
 
 @dataclass(frozen=True)

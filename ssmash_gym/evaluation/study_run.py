@@ -14,7 +14,7 @@ import polars as pl
 import ssmash_gym
 from ssmash_gym.document import read_record
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.evaluation.conditions import Condition, digest
+from ssmash_gym.evaluation.conditions import Condition, digest, written
 from ssmash_gym.evaluation.episodes import run_episodes, share_of
 from ssmash_gym.evaluation.study import StudyConfig
 from ssmash_gym.evaluation.study_entrants import PLANNER, Entrant, agent_entrants, code, scripted_entrant
@@ -184,9 +184,7 @@ def _document(plan: Plan, earlier: dict[str, Any]) -> dict[str, Any]:
         conditions[name] = {
             "description": one.description or one.scenario.description,
             "configuration": one.configuration,
-            "task": one.task.model_dump(mode="json"),
-            "scenario": one.scenario.model_dump(mode="json"),
-            "helicopter": one.helicopter.model_dump(mode="json", exclude={"provenance"}),
+            **written(one.task, one.scenario, one.helicopter),
         }
     policies = dict(earlier.get("policies", {}))
     for name in dict.fromkeys(one.name for one in plan.entrants):

@@ -199,7 +199,6 @@ class Copies:
             count, task=scene.task, scenario=scene.scenario, helicopter=scene.helicopter, threads=threads
         )
         self._core.starter = self._handover
-        self._half_spread = half_spread(self._handover.helicopter)
 
     def drive(self, present: Snapshot, of: Columns, nodes: FloatArray, horizon_s: float) -> Rehearsed:
         """Start all copies now and drive each until it exceeds a limit, reaches the goal, or the horizon is over.
@@ -219,7 +218,8 @@ class Copies:
         running = np.arange(count)
         for step in range(1, round(horizon_s / core.control_interval_s) + 1):
             actions = self._policy.act(observations)  # of all rows: a policy may remember each
-            reading = self._advanced(np.asarray(actions[running], dtype=np.float64), running, step)
+            reading, _ = core.moved(actions[running], None if running.size == count else running)
+            core.book.peak_probe_N[running] = reading.episode_peak_N
             margins = limits.margins(reading)
             conditions = limits.endings(reading, margins)
             failed = np.any([flags for name, flags in conditions.items() if limits.failed(name)], axis=0)
@@ -231,24 +231,6 @@ class Copies:
             if not running.size:
                 break
         return Rehearsed(first_s, np.asarray(limit, dtype=np.int64))
-
-    def _advanced(self, actions: FloatArray, running: Columns, step: int) -> Reading:
-        """One control interval of the running copies: `TraverseBatch.step` without rewards and metrics."""
-        core, book = self._core, self._core.book
-        previous = book.command[running]
-        commands = np.clip(actions, -1.0, 1.0)
-        core.batch.advance(commands, None if running.size == core.n else running)
-        telemetry, bad = columns_of(core.batch.telemetry, running)
-        steps = np.full(running.size, step)
-        reading = Reading(
-            task=core.task, telemetry=telemetry, steps=steps, counted=steps > core.task.grace_steps, command=commands,
-            previous=previous, held_before=book.held[running], peak_before_N=book.peak_probe_N[running],
-            broken=bad | core.batch.diverged[running], half_spread_m=self._half_spread, limit_steps=core.limit_steps,
-        )  # fmt: skip
-        book.command[running] = commands
-        book.held[running] = reading.held
-        book.peak_probe_N[running] = reading.episode_peak_N
-        return reading
 
     def _observed(self, reading: Reading, running: Columns) -> NDArray[np.float32]:
         scaled = self._core.observer.scaled(reading)

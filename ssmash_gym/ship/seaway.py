@@ -135,11 +135,14 @@ class _Way:
 
 
 @functools.lru_cache(maxsize=REMEMBERED)
-def _severity(spectrum: Spectrum, spreading: Spreading, way: _Way) -> tuple[SeaGrid, FloatArray, FloatArray]:
+def _severity(
+    spectrum: Spectrum, spreading: Spreading, way: _Way
+) -> tuple[SeaGrid, npt.NDArray[np.bool_], FloatArray, FloatArray]:
     """The sea's grid, what its severities sum up to, and where its waves are drawn: the same for every seed.
 
     Returns:
-        Grid; totals of `severity_powers` (m,); importance of each cell, of the grid's shape.
+        Grid; which of `severity_powers` there are any of, (m,); their totals; importance of each cell, of the grid's
+        shape.
     """
     grid = sea_grid(spectrum, spreading)
     sea = grid.energy.ravel()
@@ -148,7 +151,7 @@ def _severity(spectrum: Spectrum, spreading: Spreading, way: _Way) -> tuple[SeaG
     totals = np.sum(contributions, axis=0)
     used = totals > NOTHING * totals[0]  # a ship in long-crested head seas does not roll
     importance = _importance(contributions[:, used], totals[used], sea * grid.omega.ravel() ** 2)
-    return grid, totals, importance.reshape(grid.energy.shape)
+    return grid, used, totals[used], importance.reshape(grid.energy.shape)
 
 
 def _drawn(
@@ -163,13 +166,12 @@ def _drawn(
         components: Number of waves.
         rng: Generator.
     """
-    grid, totals, importance = _severity(spectrum, spreading, way)
-    used = totals > NOTHING * totals[0]
+    grid, used, totals, importance = _severity(spectrum, spreading, way)
     waves = draw_waves(grid, importance, way.heading, components, rng)
     drawn = 0.5 * waves.amplitude**2
     response, powers = way.respond(waves.omega, waves.heading, drawn)
     if used.any():
-        drawn, missed = calibrated(drawn, powers[:, used], totals[used])
+        drawn, missed = calibrated(drawn, powers[:, used], totals)
         if missed > LARGEST_MISS:
             warnings.warn(
                 f"seaway: {components} waves cannot have the sea's severity, a variance is missed by {missed:.0%}: "

@@ -13,7 +13,7 @@ from ssmash_gym.envs.scenario import ScenarioConfig, changed_scenario, load_scen
 from ssmash_gym.envs.starts import Starter
 from ssmash_gym.envs.task import TaskConfig, load_task
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.evaluation.conditions import digest
+from ssmash_gym.evaluation.conditions import digest, hashed
 from ssmash_gym.vehicle import Helicopter, load_helicopter
 from ssmash_gym.windows.axes import AXES, WIND
 from ssmash_gym.windows.config import WindowConfig
@@ -85,12 +85,7 @@ class Setting:
     @property
     def configuration(self) -> str:
         """Hash of all that is resolved; what is only said about it does not count."""
-        return digest(
-            self.stage,
-            self.task.model_dump(mode="json", exclude={"description"}),
-            self.scenario.model_dump(mode="json", exclude={"description"}),
-            self.helicopter.model_dump(mode="json", exclude={"provenance"}),
-        )
+        return digest(self.stage, *hashed(self.task, self.scenario, self.helicopter))
 
 
 def settings(config: WindowConfig) -> dict[str, Setting]:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-WITHIN, BEYOND, UNDECIDED = "within", "beyond", "undecided"
+from ssmash_gym.windows.sequential import BEYOND, WITHIN
+
 FIXED: Final = "\N{NO-BREAK SPACE}"
-VERDICTS: Final = (WITHIN, UNDECIDED, BEYOND)
 SIGNS: Final = {"above": ">", "below": "<"}  # of what lies beyond a limit
 
 

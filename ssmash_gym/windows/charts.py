@@ -23,7 +23,6 @@ from ssmash_gym.windows.chart_looks import (
     INSIDE,
     OPEN,
     UNNAMED,
-    WITHIN,
     Paint,
     limit_looks,
     limit_words,
@@ -32,6 +31,7 @@ from ssmash_gym.windows.chart_looks import (
 )
 from ssmash_gym.windows.chart_panels import Drawing
 from ssmash_gym.windows.chart_sheet import Block, Entry, Scale, Words, sheet
+from ssmash_gym.windows.sequential import WITHIN
 
 SHARES: Final = "cividis_r"  # perceptually uniform, and from light to dark in grey
 DIFFERENCES: Final = "PuOr"  # both ends equally dark in grey: the hatch tells them apart
@@ -82,7 +82,7 @@ def probability(
         ImportError: Matplotlib is missing.
     """
     layout, blocks, own = _blocks(cells, document, stage, policies)
-    accepted = float(document.get("acceptance", 0.1))
+    accepted = float(document["acceptance"])
     colour = _colours(SHARES, 0.0, 1.0)
     how = Drawing(lambda row: Paint(colour(row["share"])), lambda row: row["share"] <= accepted)
     legend = [[
@@ -209,8 +209,8 @@ def _verdict_legend(
     document: Mapping[str, Any], looks: Mapping[str, Paint], *, unnamed: bool
 ) -> Sequence[Sequence[Entry]]:
     """Verdicts at the left, limits at the right."""
-    accepted = share_words(float(document.get("acceptance", 0.1)))
-    sure = share_words(float(document.get("confidence", 0.95)))
+    accepted = share_words(float(document["acceptance"]))
+    sure = share_words(float(document["confidence"]))
     verdicts = [
         Entry("Verdict", None),
         Entry(f"within: beyond a limit in less than {accepted} of the episodes ({sure} confidence)", INSIDE),

@@ -90,6 +90,10 @@ class Job:
     def __hash__(self) -> int:
         return hash(self.identity)
 
+    def most_steps(self, chunk: Chunk) -> int:
+        """Control intervals of a chunk, at most."""
+        return chunk.episodes * self.settings[chunk.stage].task.horizon_steps
+
     def configuration(self, stage: str, policy: str) -> str:
         """Hash of all that rows depend on besides their cell and seed: others are not mixed with them."""
         entrant, setting = self.entrants[stage][policy], self.settings[stage]
@@ -105,16 +109,16 @@ class Worker:
 
     def __init__(self, job: Job) -> None:
         self._job = job
-        self._crews: dict[str, _Crew] = {}
+        self._crew: _Crew | None = None  # of one stage at a time: it needs much memory
         self._scenarios: dict[tuple[str, int], ScenarioConfig] = {}
 
     def run(self, chunk: Chunk, tell: Tell = lambda steps: None) -> pl.DataFrame:
         """The rows of a chunk, one an episode; they do not depend on how episodes are put into chunks."""
-        if chunk.stage not in self._crews:
-            self._crews.clear()  # of another stage: its memory is needed
-            self._crews[chunk.stage] = _Crew(self._job, chunk.stage)
+        if self._crew is None or self._crew.stage != chunk.stage:
+            self._crew = None
+            self._crew = _Crew(self._job, chunk.stage)
         draws = [self._draw(chunk.stage, cell, n) for cell, n in zip(chunk.cells, chunk.numbers, strict=True)]
-        found = self._crews[chunk.stage].run(chunk.policies, draws, tell)
+        found = self._crew.run(chunk.policies, draws, tell)
         return pl.concat([self._rows(chunk, policy, rows) for policy, rows in found.items()])
 
     def _draw(self, stage: str, cell: int, number: int) -> EpisodeDraw:
@@ -155,8 +159,8 @@ class _Crew:
     """
 
     def __init__(self, job: Job, stage: str) -> None:
+        self.stage = stage
         self._setting = job.settings[stage]
-        self._size = job.size
         self._policies: dict[str, Policy] = {
             name: entrant.make(self._setting.task) for name, entrant in job.entrants[stage].items()
         }
@@ -164,7 +168,7 @@ class _Crew:
         first: TraverseBatch | None = None
         for name, policy in self._policies.items():
             if not hasattr(policy, "attach"):
-                self._cores[name] = self._core(policy, self._size, first)
+                self._cores[name] = self._core(policy, job.size, first)
                 first = first or self._cores[name]
 
     def _core(self, policy: Policy, count: int, beside: TraverseBatch | None = None) -> TraverseBatch:

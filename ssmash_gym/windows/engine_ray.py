@@ -70,14 +70,13 @@ class Ray:
         ray = self._ray
         shared = ray.put(job)
         task: Callable[..., Any] = ray.remote(num_cpus=1, max_retries=RETRIES)(_work).remote
-        steps = {chunk.name: _most_steps(job, chunk) for chunk in chunks}
         waiting = {task(shared, chunk): chunk for chunk in chunks}
         try:
             while waiting:
                 for done in ray.wait(list(waiting), timeout=POLL_S)[0]:
                     chunk = waiting.pop(done)
                     rows: pl.DataFrame = ray.get(done)
-                    tell(steps[chunk.name])
+                    tell(job.most_steps(chunk))  # workers do not tell how far they are
                     yield chunk, rows
         finally:
             for left in waiting:
@@ -99,11 +98,6 @@ def _refuse_unreachable(address: str) -> None:
         socket.create_connection((host.strip("[]"), int(port)), ANSWER_S).close()
     except (OSError, OverflowError) as error:
         raise ConfigurationError(f"--address {address} is refused: no cluster answers there ({error}).") from None
-
-
-def _most_steps(job: Job, chunk: Chunk) -> int:
-    """Control intervals of a chunk at most; Ray's workers do not tell how far they are."""
-    return chunk.episodes * job.settings[chunk.stage].task.horizon_steps
 
 
 def _work(job: Job, chunk: Chunk) -> pl.DataFrame:

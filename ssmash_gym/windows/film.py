@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +11,6 @@ import polars as pl
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.film import film_side_by_side, require_rendering
 from ssmash_gym.evaluation.study_entrants import Entrant, agent_entrants, code
-from ssmash_gym.windows.cells import Grid
 from ssmash_gym.windows.config import load_window
 from ssmash_gym.windows.rows import read_document, read_rows
 from ssmash_gym.windows.sweep import Sweep, prepared
@@ -45,7 +43,8 @@ def film_cell(folder: Path, cell: int | None, policies: Sequence[str], stage: st
         raise ConfigurationError(f"{word}: the window has {', '.join(stages)}.")
     if cell is None or len(policies) > 1:
         raise ConfigurationError("--film needs one --cell, and one --policy at most: the report tells both.")
-    cells = cells_of(judged_rows(read_rows(folder), told), told)
+    rows = read_rows(folder)
+    cells = cells_of(judged_rows(rows, told), told)
     here = cells.filter(pl.col("stage") == chosen)
     names = here["policy"].unique(maintain_order=True).to_list()
     if not policies and len(names) > 1:
@@ -58,7 +57,7 @@ def film_cell(folder: Path, cell: int | None, policies: Sequence[str], stage: st
             f"--cell {cell} --policy {word} is refused: {folder} has no rows of it; its policies are "
             f"{', '.join(names)}."
         )
-    return film_worst(folder, told, found.row(0, named=True), None if word == name else word)
+    return Studio(folder, told, rows).film(found.row(0, named=True), None if word == name else word)
 
 
 def _name_of(word: str) -> str:
@@ -81,41 +80,60 @@ def known(folder: Path) -> dict[str, Any]:
     return told
 
 
-def film_worst(folder: Path, told: dict[str, Any], row: dict[str, Any], word: str | None = None) -> Path:
-    """Film the worst episode of one row of `verdicts.cells_of`; what has been filmed already is kept.
+class Studio:
+    """Films the episodes of one window.
 
     Args:
         folder: The window's.
         told: Its ``window.json``.
-        row: Stage, policy, cell and ``worst_seed``.
-        word: Where its policy is to be found; where the window found it by default.
-
-    Raises:
-        ConfigurationError: The code, the window or the policy is not the one of the rows.
+        rows: Its rows.
     """
-    stage, name, cell, seed = str(row["stage"]), str(row["policy"]), int(row["cell"]), int(row["worst_seed"])
-    path = folder / FILMS / f"{stage}-{name}-{cell}-{seed}-{told['configuration']}.mp4"
-    if path.is_file():
+
+    def __init__(self, folder: Path, told: dict[str, Any], rows: pl.DataFrame) -> None:
+        self._folder, self._told, self._rows = folder, told, rows
+        self._sweeps: dict[str | None, Sweep] = {}  # by the word for the policy: to prepare one takes a while
+
+    def film(self, row: dict[str, Any], word: str | None = None) -> Path:
+        """Film the worst episode of one row of `verdicts.cells_of`; what has been filmed already is kept.
+
+        Args:
+            row: Stage, policy, cell and ``worst_seed``.
+            word: Where its policy is to be found; where the window found it by default.
+
+        Raises:
+            ConfigurationError: The code, the window or the policy is not the one of the rows.
+        """
+        folder, told = self._folder, self._told
+        stage, name, cell, seed = str(row["stage"]), str(row["policy"]), int(row["cell"]), int(row["worst_seed"])
+        path = folder / FILMS / f"{stage}-{name}-{cell}-{seed}-{told['configuration']}.mp4"
+        if path.is_file():
+            return path
+        episode = self._rows.filter(
+            pl.col("stage") == stage, pl.col("policy") == name, pl.col("cell") == cell, pl.col("seed") == seed
+        ).row(0, named=True)
+        if episode["code"] != code():
+            raise ConfigurationError(
+                f"{folder}: {name} cannot be filmed: the sources have changed since its rows were made."
+            )
+        sweep = self._sweep(word or told["policies"].get(name, {}).get("word"))
+        entrant = _same(sweep, told, folder, stage, name)
+        setting = sweep.job.settings[stage]
+        policy = entrant.make(setting.task)
+        scenario = setting.of(sweep.job.grid.cell(cell))
+        metrics = film_side_by_side(
+            [policy], scenario, seed, path, helicopter=setting.helicopter, largest_bytes=LARGEST_BYTES
+        )[policy.name]
+        if any(episode[key] != value for key, value in metrics.items() if key in episode):
+            path.unlink()
+            raise ConfigurationError(f"{folder}: what was filmed was not the episode of the rows, so it was not kept.")
         return path
-    rows = read_rows(folder).filter(pl.col("stage") == stage, pl.col("policy") == name, pl.col("cell") == cell)
-    episode = rows.filter(pl.col("seed") == seed).row(0, named=True)
-    if episode["code"] != code():
-        raise ConfigurationError(
-            f"{folder}: {name} cannot be filmed: the sources have changed since its rows were made."
-        )
-    word = word or told["policies"].get(name, {}).get("word")
-    sweep = prepared(load_window(told["resolved"]), str(told["name"]), (word,) if word else ())
-    entrant = _same(sweep, told, folder, stage, name)
-    setting = sweep.job.settings[stage]
-    policy = entrant.make(setting.task)
-    scenario = setting.of(Grid(sweep.config.axes).cell(cell))
-    metrics = film_side_by_side(
-        [policy], scenario, seed, path, helicopter=setting.helicopter, largest_bytes=LARGEST_BYTES
-    )[policy.name]
-    if any(episode[key] != value for key, value in metrics.items() if key in episode):
-        path.unlink()
-        raise ConfigurationError(f"{folder}: what was filmed was not the episode of the rows, so it was not kept.")
-    return path
+
+    def _sweep(self, word: str | None) -> Sweep:
+        """The window with the policy that a word names; with its own where there is none."""
+        if word not in self._sweeps:
+            window = load_window(self._told["resolved"])
+            self._sweeps[word] = prepared(window, str(self._told["name"]), (word,) if word else ())
+        return self._sweeps[word]
 
 
 def _same(sweep: Sweep, told: dict[str, Any], folder: Path, stage: str, name: str) -> Entrant:
@@ -131,4 +149,4 @@ def _same(sweep: Sweep, told: dict[str, Any], folder: Path, stage: str, name: st
             f"{folder}: {name} in {stage} cannot be filmed: the window or the policy is not the one of the rows any "
             "more."
         )
-    return replace(entrant, name=name)
+    return entrant

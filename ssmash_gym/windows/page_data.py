@@ -53,16 +53,15 @@ def _head(name: str) -> str:
     return f"{words} [{'°' if unit == 'deg' else unit}]" if unit else words
 
 
-def worst(rows: pl.DataFrame, cells: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame:
+def worst(rows: pl.DataFrame, cells: pl.DataFrame) -> pl.DataFrame:
     """The worst episodes of every cell, the worst one first.
 
     That one is the cell's ``worst_seed``; the others follow by the number of limits exceeded, then by the greatest use
-    of a limit as far as the table tells it (``worst_use``, or the peak that a limit's ``column`` names).
+    of a limit.
 
     Args:
         rows: One row an episode.
         cells: One row a cell.
-        document: Contents of ``window.json``.
 
     Returns:
         Rows of the table, at most `MOST_EPISODES` a cell.
@@ -73,7 +72,7 @@ def worst(rows: pl.DataFrame, cells: pl.DataFrame, document: Mapping[str, Any]) 
     success = pl.col("success").fill_null(True) if "success" in rows.columns else pl.lit(True)
     ranked = rows.with_columns(
         _over=pl.when(exceeds == "").then(0).otherwise(exceeds.str.count_matches(",") + 1), _lost=~success,
-        _use=_use(rows, document),
+        _use=pl.col("worst_use"),
     )  # fmt: skip
     order, down = ["_over", "_lost", "_use", "number"], [True, True, True, False]
     if "worst_seed" in cells.columns:
@@ -82,18 +81,6 @@ def worst(rows: pl.DataFrame, cells: pl.DataFrame, document: Mapping[str, Any]) 
         order, down = ["_worst", *order], [True, *down]
     ranked = ranked.sort(order, descending=down, nulls_last=True)
     return ranked.group_by(KEYS, maintain_order=True).head(MOST_EPISODES)
-
-
-def _use(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.Expr:
-    """Greatest use of a limit in an episode, as far as the columns tell it."""
-    if "worst_use" in rows.columns:
-        return pl.col("worst_use")
-    found = []
-    for name, limit in document.get("limits", {}).items():
-        column = next((one for one in (limit.get("column"), name, f"peak_{name}") if one in rows.columns), None)
-        if column is not None and limit.get("sense", "above") == "above" and limit.get("value"):
-            found.append(pl.col(column) / float(limit["value"]))
-    return pl.max_horizontal(found) if found else pl.lit(0.0)
 
 
 def page_data(
@@ -110,7 +97,7 @@ def page_data(
     stages, policies = stages_of(cells, document), policies_of(cells, document)
     limits, axes, peaks = document.get("limits", {}), axes_of(cells, document), peaks_of(rows)
     layout = layout_of(cells, document)
-    kept = worst(rows, cells, document)
+    kept = worst(rows, cells)
     listed = {key: part for key, part in kept.partition_by(KEYS, as_dict=True).items()} if kept.height else {}
     reasons = sorted(set(kept["reason"].drop_nulls())) if kept.height and "reason" in kept.columns else []
     found = [

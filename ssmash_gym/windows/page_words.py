@@ -10,21 +10,13 @@ import polars as pl
 from ssmash_gym import __version__
 from ssmash_gym.evaluation.page_tables import DASH, Cell, Column, Grid, Row
 from ssmash_gym.windows.chart_layout import Axis, Layout, axes_of, layout_of
-from ssmash_gym.windows.chart_looks import BEYOND, UNDECIDED, WITHIN, beyond_words, limit_words, quantity, share_words
+from ssmash_gym.windows.chart_looks import beyond_words, limit_words, quantity, share_words
 from ssmash_gym.windows.charts import policies_of, stages_of
+from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN
+from ssmash_gym.windows.verdicts import count, judged
 
 EVERYWHERE: Final = "all"
 NOWHERE: Final = "none"
-
-
-def judged(cells: pl.DataFrame) -> pl.DataFrame:
-    """The cells that are counted: those inside the validity of the seaway's model."""
-    return cells.filter(pl.col("valid").fill_null(True)) if "valid" in cells.columns else cells
-
-
-def count(cells: pl.DataFrame, verdict: str) -> int:
-    """Number of cells with a verdict."""
-    return cells.filter(pl.col("verdict") == verdict).height
 
 
 def headline(cells: pl.DataFrame, document: Mapping[str, Any]) -> list[str]:
@@ -199,8 +191,8 @@ def policies(document: Mapping[str, Any]) -> Grid:
 
 def method(document: Mapping[str, Any]) -> list[str]:
     """How a cell is judged."""
-    accepted = share_words(float(document.get("acceptance", 0.1)))
-    sure = share_words(float(document.get("confidence", 0.95)))
+    accepted = share_words(float(document["acceptance"]))
+    sure = share_words(float(document["confidence"]))
     return [
         f"An episode counts as beyond when it exceeds any limit. A cell is within when the {sure} interval of the "
         f"share of such episodes lies below {accepted}, beyond when it lies above, undecided when it still "
@@ -222,8 +214,8 @@ def facts(cells: pl.DataFrame, document: Mapping[str, Any]) -> list[tuple[str, s
         ("cells", f"{cells['cell'].n_unique():,}"), ("episodes", f"{total:,}"),
         ("in a cell", str(low) if low == high else f"{low!s} to {high!s}"), ("seed", str(document.get("seed", DASH))),
     ]  # fmt: skip
-    told += [("accepted share", share_words(float(document.get("acceptance", 0.1))))]
-    return [*given, *told, ("confidence", share_words(float(document.get("confidence", 0.95))))]
+    told += [("accepted share", share_words(float(document["acceptance"])))]
+    return [*given, *told, ("confidence", share_words(float(document["confidence"])))]
 
 
 def made(document: Mapping[str, Any]) -> str:

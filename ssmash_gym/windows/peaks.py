@@ -110,7 +110,7 @@ class PeakBook:
         self._counted = np.zeros((rows, count)), np.zeros((rows, count))  # the same from the grace on
         self._clearance, self._tilt = np.full(count, np.inf), np.zeros(count)
         self._slid = np.zeros((len(STATION_NAMES), count))
-        self._place = _contacts(core.telemetry, np.arange(count))
+        self._place = _contacts(core.telemetry, count)
 
     def note(self, reading: Reading, columns: Columns) -> None:
         """Write down an interval of the listed columns."""
@@ -130,7 +130,7 @@ class PeakBook:
         self._slide(reading, columns)
 
     def _slide(self, r: Reading, columns: Columns) -> None:
-        place = _contacts(r.telemetry, np.arange(columns.size))
+        place = _contacts(r.telemetry, columns.size)
         way = place - self._place[:, :, columns]
         heading = r["yaw"] + np.array([r[f"{name}_steer"] for name in STATION_NAMES])
         cos, sin = np.cos(heading), np.sin(heading)
@@ -174,6 +174,6 @@ def rolls(helicopter: Helicopter) -> NDArray[np.bool_]:
     return np.array([station.rolling == "free" for station in helicopter.station_tuple])
 
 
-def _contacts(telemetry: Telemetry, columns: Columns) -> Array:
-    """Contact points of the stations over the deck [m], (2, 3, n)."""
-    return np.array([[telemetry[f"{name}_contact_{axis}"][columns] for name in STATION_NAMES] for axis in "xy"])
+def _contacts(telemetry: Telemetry, count: int) -> Array:
+    """Contact points of the first so many helicopters' stations over the deck [m], (2, 3, count)."""
+    return np.array([[telemetry[f"{name}_contact_{axis}"][:count] for name in STATION_NAMES] for axis in "xy"])

@@ -52,9 +52,13 @@ class Tally:
         first = np.arange(self.done.shape[1]) < counts[:, None]
         return np.asarray(np.sum(self.exceeded & first, axis=1), dtype=np.int64)
 
-    def complete(self, counts: Counts) -> bool:
-        """Whether each cell has its first `counts` seas."""
-        return bool(np.all(self.done | (np.arange(self.done.shape[1]) >= counts[:, None])))
+    def full(self, counts: Counts) -> Flags:
+        """Which cells have their first `counts` seas, (cells,)."""
+        return np.asarray(~np.any(self.missing(counts), axis=1))
+
+    def missing(self, counts: Counts) -> Flags:
+        """Which of each cell's first `counts` seas have not been run, (cells, seas)."""
+        return np.asarray((np.arange(self.done.shape[1]) < counts[:, None]) & ~self.done)
 
 
 def fill(tallies: Mapping[Who, Tally], config: WindowConfig, rows: pl.DataFrame) -> None:
@@ -80,7 +84,7 @@ def rounds(config: WindowConfig, tallies: Mapping[Who, Tally]) -> dict[Who, Coun
     effort = config.effort
     wanted = {who: np.full(len(tally.done), effort.seeds, np.int64) for who, tally in tallies.items()}
     closed = np.zeros(len(next(iter(wanted.values()))), np.bool_)  # cells that the budget has once not paid for
-    while all(tallies[who].complete(counts) for who, counts in wanted.items()):
+    while all(tallies[who].full(counts).all() for who, counts in wanted.items()):
         more = {who: np.where(closed, counts, _next(config, tallies[who], counts)) for who, counts in wanted.items()}
         if effort.episodes is not None:
             paid = _paid(wanted, more, effort.episodes, _promise(config, tallies, wanted, more))
@@ -139,7 +143,7 @@ def chunks(wanted: Mapping[Who, Counts], tallies: Mapping[Who, Tally], size: int
         names = [policy for here, policy in wanted if here == stage]
         sets = np.zeros(tallies[stage, names[0]].done.shape, np.uint32)
         for k, name in enumerate(names):
-            sets |= _missing(tallies[stage, name], wanted[stage, name]).astype(np.uint32) << np.uint32(k)
+            sets |= tallies[stage, name].missing(wanted[stage, name]).astype(np.uint32) << np.uint32(k)
         for which in np.unique(sets[sets > 0]):
             cells, numbers = np.nonzero(sets == which)
             policies = tuple(name for k, name in enumerate(names) if int(which) >> k & 1)
@@ -147,7 +151,3 @@ def chunks(wanted: Mapping[Who, Counts], tallies: Mapping[Who, Tally], size: int
                 part = slice(first, first + size)
                 found.append(Chunk(stage, policies, tuple(cells[part].tolist()), tuple(numbers[part].tolist())))
     return found
-
-
-def _missing(tally: Tally, counts: Counts) -> Flags:
-    return np.asarray((np.arange(tally.done.shape[1]) < counts[:, None]) & ~tally.done)

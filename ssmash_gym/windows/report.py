@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -16,11 +15,12 @@ from ssmash_gym.evaluation.page import require_report
 from ssmash_gym.files import write_text
 from ssmash_gym.progress import progress_bar
 from ssmash_gym.windows import charts
+from ssmash_gym.windows.cells import Grid
 from ssmash_gym.windows.config import load_window
-from ssmash_gym.windows.film import film_worst, known
+from ssmash_gym.windows.film import Studio, known
 from ssmash_gym.windows.page import Film, write_window_page
+from ssmash_gym.windows.plan import Tally, fill, rounds
 from ssmash_gym.windows.rows import read_rows
-from ssmash_gym.windows.sequential import UNDECIDED
 from ssmash_gym.windows.sweep import limits_told
 from ssmash_gym.windows.verdicts import cells_of, judged_rows
 
@@ -56,11 +56,11 @@ def write_report(
         raise ConfigurationError(f"{folder}: no episode has been run there yet.")
     rows = judged_rows(rows, told)
     cells = cells_of(rows, told)
-    if limits is None and (left := unfinished(told, cells)):
+    if limits is None and (left := unfinished(told, rows)):
         told = {**told, "description": f"{told['description']} This window is {left}."}
         tell(left)
     out = folder / (REPORT if limits is None else f"{REPORT}_{Path(limits).stem}")
-    shown = _films(folder, told, cells, films, tell)
+    shown = _films(Studio(folder, told, rows), told, cells, films, tell)
     for stage in charts.stages_of(cells, told):
         write_text(out / f"placard_{stage}.svg", charts.placard(cells, told, stage))
         write_text(out / f"probability_{stage}.svg", charts.probability(cells, told, stage))
@@ -79,16 +79,17 @@ def command_of(told: Mapping[str, Any]) -> str:
     return " ".join(f"ssmash window {shlex.quote(str(told['source']))} {policies} {given} --out DIR".split())
 
 
-def unfinished(told: Mapping[str, Any], cells: pl.DataFrame) -> str:
-    """A sentence where a window has not been run to its end, by its own rule; empty where it has, or had a budget."""
-    effort = told["resolved"]["effort"]
-    if effort["episodes"] is not None:
-        return ""
-    few = (pl.col("verdict") == UNDECIDED) & (pl.col("episodes") < effort["most"])
-    left = cells.filter(few | (pl.col("episodes") < effort["seeds"])).height
-    planned = math.prod(len(axis["values"]) for axis in told["axes"].values())
-    started = cells.group_by("stage", "policy").len()["len"].to_list()
-    left += sum(planned - count for count in started)
+def unfinished(told: Mapping[str, Any], rows: pl.DataFrame) -> str:
+    """A sentence where a window has not been run to its end, by its own rule; empty where it has."""
+    config = load_window(told["resolved"])
+    seas = max(int(rows["number"].max() or 0) + 1, config.effort.most, config.effort.seeds)  # type: ignore[arg-type]
+    tallies = {
+        (stage, policy): Tally.blank(len(Grid(config.axes)), seas)
+        for stage, policy in rows.select("stage", "policy").unique(maintain_order=True).iter_rows()
+    }
+    fill(tallies, config, rows)
+    wanted = rounds(config, tallies)
+    left = sum(int((~tallies[who].full(counts)).sum()) for who, counts in wanted.items())
     return f"not finished: {left:,} cells would still get seas; {command_of(told)} goes on" if left else ""
 
 
@@ -106,7 +107,7 @@ def _judged_by(told: dict[str, Any], limits: str) -> dict[str, Any]:
 
 
 def _films(
-    folder: Path, told: dict[str, Any], cells: pl.DataFrame, count: int, tell: Callable[[str], None]
+    studio: Studio, told: Mapping[str, Any], cells: pl.DataFrame, count: int, tell: Callable[[str], None]
 ) -> Mapping[Key, Film]:
     """Films of the cells with the greatest shares beyond a limit, that of each policy first."""
     ranked = cells.sort(["share", "lost", "worst_use"], descending=True, nulls_last=True).with_columns(
@@ -125,7 +126,7 @@ def _films(
         for k, row in enumerate(chosen.iter_rows(named=True)):
             advance(k / chosen.height, f"film {k + 1} of {chosen.height}")
             try:
-                path = film_worst(folder, told, row)
+                path = studio.film(row)
             except ConfigurationError as refused:
                 tell(f"no film of cell {row['cell']}: {refused}")
                 continue

@@ -12,11 +12,11 @@ import polars as pl
 
 from ssmash_gym.document import read_record
 from ssmash_gym.errors import ConfigurationError
+from ssmash_gym.evaluation.study_rows import ROWS, read_frames
 from ssmash_gym.files import whole_file, write_text
 from ssmash_gym.windows.chunks import KEYS
 
 WINDOW: Final = "window.json"
-ROWS: Final = "rows"
 LOCK: Final = ".lock"
 
 
@@ -36,16 +36,7 @@ def read_rows(out: Path, columns: Sequence[str] | None = None) -> pl.DataFrame:
     Raises:
         ConfigurationError: A file holds no such rows, or an episode stands there twice.
     """
-    frames = []
-    for path in sorted((out / ROWS).glob("*.parquet")):
-        try:
-            frame = pl.read_parquet(path, columns=None if columns is None else [*KEYS, *columns])
-        except (pl.exceptions.PolarsError, OSError) as error:
-            raise ConfigurationError(f"{path}: this file of rows cannot be read ({error}).") from None
-        missing = [name for name in KEYS if name not in frame.columns]
-        if missing:
-            raise ConfigurationError(f"{path}: this is no file of a window: the column {missing[0]} is missing.")
-        frames.append(frame)
+    frames = read_frames(out / ROWS, KEYS, "a window", columns)
     if not frames:
         return pl.DataFrame(schema={"stage": pl.String, "policy": pl.String, "cell": pl.Int64, "number": pl.Int64})
     rows = pl.concat(frames, how="diagonal_relaxed").sort(*KEYS)

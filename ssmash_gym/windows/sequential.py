@@ -27,7 +27,6 @@ LEVEL: Final = 0.95
 WITHIN: Final = "within"
 BEYOND: Final = "beyond"
 UNDECIDED: Final = "undecided"
-VERDICTS: Final = (WITHIN, BEYOND, UNDECIDED)
 _SMALLER: Final = (0.3, 10.0)  # Beta parameters of the mixture of shares below p: 39 quiet episodes show less than 10 %
 _GREATER: Final = (3.0, 12.0)  # and above: about a fifth, where a decision against 10 % is hard to come by
 _HALVINGS: Final = 40  # of an interval of length 1: the bounds are good to 1e-12
@@ -66,6 +65,27 @@ def bounds(hits: ArrayLike, episodes: ArrayLike, level: float = LEVEL) -> Bounds
     pairs, place = np.unique(np.stack([s.ravel(), n.ravel()]), axis=1, return_inverse=True)  # cells have many in common
     low, high = _bounds(pairs[0], pairs[1], np.log(2.0 / (1.0 - level)))
     return Bounds(low[place].reshape(s.shape), high[place].reshape(s.shape))
+
+
+def fewest(acceptance: float, level: float = LEVEL) -> int:
+    """How many episodes without a hit it takes until a cell is shown to be within an acceptance level.
+
+    Args:
+        acceptance: The level, above 0.
+        level: Of the confidence sequence.
+    """
+
+    def shown(episodes: int) -> bool:
+        return bool(bounds(0, episodes, level).high <= acceptance)
+
+    high = 1
+    while not shown(high):
+        high *= 2
+    low = high // 2  # not enough
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if shown(middle) else (middle, high)
+    return high
 
 
 def _bounds(s: Array, n: Array, refuted: float) -> tuple[Array, Array]:

@@ -14,8 +14,8 @@ import polars as pl
 import ssmash_gym
 from ssmash_gym.envs.loading import BASE_KEY
 from ssmash_gym.errors import ConfigurationError
-from ssmash_gym.evaluation.conditions import digest
-from ssmash_gym.evaluation.policies import baselines, planners
+from ssmash_gym.evaluation.conditions import digest, written
+from ssmash_gym.evaluation.policies import is_scripted
 from ssmash_gym.evaluation.study_entrants import Entrant, agent_entrants, code, scripted_entrant
 from ssmash_gym.progress import Advance, progress_bar
 from ssmash_gym.training.seeds import WINDOWS, block
@@ -115,9 +115,7 @@ def _entrants(setting: Setting, policies: Sequence[str]) -> dict[str, Entrant]:
     """
     found: dict[str, Entrant] = {}
     for word in policies:
-        plain = word.partition("@")[0]
-        scripted = plain in baselines() or plain in planners()
-        those = [scripted_entrant(word, setting.task)] if scripted else agent_entrants([word])
+        those = [scripted_entrant(word, setting.task)] if is_scripted(word) else agent_entrants([word])
         if len(those) > 1:
             raise ConfigurationError(f"--policy {word} is refused: name one folder; a window is of single policies.")
         if those[0].name in found:
@@ -207,8 +205,8 @@ class _Clock:
 
     def __init__(self, advance: Advance, sweep: Sweep, missing: Sequence[Chunk], tallies: dict[Who, Tally]) -> None:
         self._advance = advance
-        self._most = sum(chunk.episodes * sweep.job.settings[chunk.stage].task.horizon_steps for chunk in missing)
-        self._interval_s = {chunk.stage: sweep.job.settings[chunk.stage].task.control_interval_s for chunk in missing}
+        self._most = sum(sweep.job.most_steps(chunk) for chunk in missing)
+        self._interval_s = max(one.task.control_interval_s for one in sweep.job.settings.values())
         self._began, self._steps = time.monotonic(), 0
         self._words = f"{sum(chunk.episodes for chunk in missing):,} episodes, {_open_cells(sweep.config, tallies)}"
 
@@ -216,7 +214,7 @@ class _Clock:
         """Add control intervals that have been simulated."""
         self._steps += steps
         passed = max(time.monotonic() - self._began, 1e-9)
-        speed = self._steps * max(self._interval_s.values()) / passed
+        speed = self._steps * self._interval_s / passed
         self._advance(min(self._steps / max(self._most, 1), 1.0), f"{self._words}, {speed:,.0f} x real time")
 
 
@@ -262,12 +260,7 @@ def document(sweep: Sweep, earlier: dict[str, Any]) -> dict[str, Any]:
         "scenario": _called(config.scenario),
         "resolved": config.model_dump(mode="json"),
         "settings": {
-            stage: {
-                "task": one.task.model_dump(mode="json"),
-                "scenario": one.scenario.model_dump(mode="json"),
-                "helicopter": one.helicopter.model_dump(mode="json", exclude={"provenance"}),
-            }
-            for stage, one in job.settings.items()
+            stage: written(one.task, one.scenario, one.helicopter) for stage, one in job.settings.items()
         },
     }  # fmt: skip
 

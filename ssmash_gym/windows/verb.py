@@ -14,6 +14,7 @@ from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.config import WindowConfig, load_window
 from ssmash_gym.windows.engines import Engine, Threads
 from ssmash_gym.windows.rows import read_document, read_rows
+from ssmash_gym.windows.sequential import fewest
 from ssmash_gym.windows.stages import STAGES
 from ssmash_gym.windows.verdicts import cells_of, judged_rows, sentences
 
@@ -75,16 +76,14 @@ def window(
             f"{' and '.join(chosen) or 'nothing to do'}: give a window to run, or --report FOLDER, or --film FOLDER."
         )
     _refuse_besides(
-        config is not None,
-        report is not None,
-        film is not None,
+        chosen[0],
         {
-            "run": {
+            "a window": {
                 "--seeds": seeds, "--most": most, "--episodes": episodes, "--threads": threads, "--address": address,
                 "--engine": None if engine == "threads" else engine,
             },
-            "report": {"--limits": limits, "--films": films},
-            "film": {"--cell": cell, "--stage": stage},
+            "--report": {"--limits": limits, "--films": films},
+            "--film": {"--cell": cell, "--stage": stage},
         },
     )  # fmt: skip
     if films is not None and films < 0:
@@ -107,17 +106,20 @@ def window(
         Console().print(f"film in {film_cell(film, cell, policy, stage)}", soft_wrap=True)
 
 
-def _refuse_besides(run: bool, report: bool, film: bool, options: dict[str, dict[str, Any]]) -> None:
+def _refuse_besides(done: str, options: dict[str, dict[str, Any]]) -> None:
     """Refuse options that what is done does not read.
+
+    Args:
+        done: A key of `options`.
+        options: By what reads them.
 
     Raises:
         ConfigurationError: One is given.
     """
-    done = {"run": run, "report": report, "film": film}
     for what, given in options.items():
         for option, value in given.items():
-            if value is not None and not done[what]:
-                where = {"run": "a window to run", "report": "--report", "film": "--film"}[what]
+            if value is not None and what != done:
+                where = f"{what} to run" if what == "a window" else what
                 raise ConfigurationError(f"{option} {value} is refused without {where}.")
 
 
@@ -157,10 +159,8 @@ def _run(
 
 def hints(sweep: Sweep) -> list[str]:
     """What a user might not expect of a window that is about to be run, a sentence each."""
-    from ssmash_gym.windows.sequential import WITHIN, bounds
-
     config, found = sweep.config, []
-    seas = next(n for n in range(1, 100_000) if bounds(0, n, config.confidence).verdicts(config.acceptance) == WITHIN)
+    seas = fewest(config.acceptance, config.confidence)
     if config.effort.most < seas:
         found.append(
             f"note: with at most {config.effort.most} seas no cell can be shown to be within, even if nothing "

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from ssmash_gym.windows.criteria import judged, label_of, names_of
+from ssmash_gym.windows import criteria
 from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN, bounds
 from ssmash_gym.windows.stages import STAGES
 
@@ -31,9 +31,10 @@ def judged_rows(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame
     frames = []
     for stage, part in rows.group_by("stage", maintain_order=True):
         must_arrive = bool(document["must_arrive"]) and STAGES[str(stage[0])].arrives
-        found = judged(part, figures, must_arrive=must_arrive)
+        found = criteria.judged(part, figures, must_arrive=must_arrive)
         told = [
-            pl.when(pl.col(f"over_{name}")).then(pl.lit(name)) for name in names_of(figures, must_arrive=must_arrive)
+            pl.when(pl.col(f"over_{name}")).then(pl.lit(name))
+            for name in criteria.names_of(figures, must_arrive=must_arrive)
         ]
         frames.append(found.with_columns(pl.concat_str(told, separator=",", ignore_nulls=True).alias("exceeds")))
     return pl.concat(frames, how="diagonal_relaxed") if frames else rows
@@ -84,22 +85,32 @@ def cells_of(rows: pl.DataFrame, document: Mapping[str, Any]) -> pl.DataFrame:
     )
 
 
+def judged(cells: pl.DataFrame) -> pl.DataFrame:
+    """The cells that are counted: those inside the validity of the seaway's model."""
+    return cells.filter(pl.col("valid").fill_null(True)) if "valid" in cells.columns else cells
+
+
+def count(cells: pl.DataFrame, verdict: str) -> int:
+    """Number of cells with a verdict."""
+    return cells.filter(pl.col("verdict") == verdict).height
+
+
 def sentences(cells: pl.DataFrame) -> list[str]:
     """What a window says, a line a stage and policy."""
     found = []
     for (stage, policy), part in cells.group_by("stage", "policy", maintain_order=True) if cells.height else ():
-        valid = part.filter(pl.col("valid"))
-        counts = {verdict: valid.filter(pl.col("verdict") == verdict).height for verdict in (WITHIN, BEYOND, UNDECIDED)}
+        valid = judged(part)
         most = valid.filter(pl.col("verdict") == BEYOND)["limiting"].drop_nulls().mode().sort().to_list()
-        limited = f", mostly by: {label_of(most[0])}" if most else ""
+        limited = f", mostly by: {criteria.label_of(most[0])}" if most else ""
         outside = part.height - valid.height
         note = (
             f"; a further {outside} lie outside the validity of the ship's motion and are not counted"
             if outside
             else ""
         )
+        within, beyond, undecided = (count(valid, verdict) for verdict in (WITHIN, BEYOND, UNDECIDED))
         found.append(
-            f"{stage}, {policy}: {counts[WITHIN]} of {valid.height} cells within the limits, {counts[BEYOND]} beyond"
-            f"{limited}, {counts[UNDECIDED]} undecided after {part['episodes'].sum():,} episodes{note}."
+            f"{stage}, {policy}: {within} of {valid.height} cells within the limits, {beyond} beyond"
+            f"{limited}, {undecided} undecided after {part['episodes'].sum():,} episodes{note}."
         )
     return found

@@ -36,7 +36,7 @@ def test_it_is_level_with_the_horizon_and_sinks_at_the_drawn_rate() -> None:
     assert np.all(np.max(loads, axis=0) > 1e3)  # and the lowest one is on it at once
 
 
-def test_the_probe_stays_free_and_an_ordinary_start_follows(tmp_path: object) -> None:
+def test_the_probe_stays_free_and_an_ordinary_start_follows() -> None:
     core = TraverseBatch(2, task=TASK, scenario=SEA)
     core.reset(seeds=[1, 2])
     while not core.book.over.all():

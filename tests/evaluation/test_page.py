@@ -7,7 +7,6 @@ import json
 import shutil
 import sys
 from collections.abc import Iterator
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from ssmash_gym.evaluation.report import study_tables
 from ssmash_gym.evaluation.study_run import planned, run_study
 from ssmash_gym.evaluation.study_summary import summarise
 from tests.evaluation.studies import short_study
+from tests.html_reader import HtmlReader
 
 SHORT = {"horizon_s": 1.0, "grace_s": 0.2, "lead_in": {"duration_s": 5.0, "ramp_s": 5.0}}
 
@@ -40,27 +40,17 @@ CONDITIONS = {
     "ss5": {"scenario": "ss5", "task": SHORT},
     "late": {"scenario": "ss5", "task": SHORT | {"claw": {"delay_s": 0.2}}, "description": "late <b>& later</b>"},
 }
-VOID = ("meta", "img", "br", "path")
 
 
-class Reader(HTMLParser):
-    """Checks that tags are closed in order; collects attributes, texts, and the rows of tables by folded title."""
+class Reader(HtmlReader):
+    """Collects the rows of tables by folded title, too."""
 
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.attributes: list[tuple[str, str, str]] = []
-        self.texts: list[str] = []
+    def prepare(self) -> None:
         self.tables: dict[str, list[list[str]]] = {}
         self._title = ""
-        self.feed(text)
-        self.close()
-        assert not self.open
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.attributes += [(tag, name, value or "") for name, value in attrs]
-        if tag not in VOID:
-            self.open.append(tag)
+        super().handle_starttag(tag, attrs)
         if tag == "summary":
             self._title = ""
         if tag == "tr":
@@ -69,13 +59,12 @@ class Reader(HTMLParser):
             self.tables[self._title][-1].append("")
 
     def handle_endtag(self, tag: str) -> None:
-        if tag not in VOID:
-            assert self.open.pop() == tag
+        super().handle_endtag(tag)
         if tag == "details":
             self._title = ""
 
     def handle_data(self, data: str) -> None:
-        self.texts.append(data)
+        super().handle_data(data)
         if "summary" in self.open and "small" not in self.open:
             self._title += data.strip()
         elif {"td", "th"} & set(self.open):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -50,9 +51,9 @@ def test_comments_and_names_are_passed_over_and_rows_are_used() -> None:
         (lambda line: "\x00\xff{}", "columns"),
     ],
 )
-def test_a_bad_row_is_counted_and_left_out(spoilt: object, words: str) -> None:
+def test_a_bad_row_is_counted_and_left_out(spoilt: Callable[[str], str], words: str) -> None:
     intake = filled(50)
-    assert not intake.take(spoilt(lines()[52]))  # type: ignore[operator]
+    assert not intake.take(spoilt(lines()[52]))
     assert intake.malformed == 1
     assert words in intake.latest_fault
     assert intake.epoch == 0

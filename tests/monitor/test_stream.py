@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
@@ -68,7 +68,7 @@ def test_no_such_file_is_refused(tmp_path: Path) -> None:
         next(batches(str(tmp_path / "none.csv"), "live"))
 
 
-def ticking(source: Iterator[list[str]], step_s: float) -> tuple[Iterator[list[str]], object]:
+def ticking(source: Iterator[list[str]], step_s: float) -> tuple[Iterator[list[str]], Callable[[], float]]:
     """A clock that goes on by a step whenever the source is asked."""
     now = [0.0]
 
@@ -84,7 +84,7 @@ def test_a_silent_input_is_unknown_after_its_time_and_once_a_second() -> None:
     monitor = Monitor(quick())
     list(monitor.feed(lines()[:150]))
     source, clock = ticking(iter([[]] * 60), 0.1)
-    found = list(answers(monitor, source, "live", [], clock))  # type: ignore[arg-type]
+    found = list(answers(monitor, source, "live", [], clock))
     assert [a.status for a in found] == ["unknown"] * len(found)
     assert 4 <= len(found) <= 5  # from 2 s on, within 6 s
     assert "no usable sample for 2 s" in (found[0].reason or "")
@@ -94,7 +94,7 @@ def test_bad_rows_do_not_end_silence() -> None:
     monitor = Monitor(quick())
     list(monitor.feed(lines()[:150]))
     source, clock = ticking(iter([["rubbish"]] * 60), 0.1)
-    found = list(answers(monitor, source, "live", [], clock))  # type: ignore[arg-type]
+    found = list(answers(monitor, source, "live", [], clock))
     assert len(found) >= 5
     assert all(a.status == "unknown" for a in found)
 
@@ -104,7 +104,7 @@ def test_samples_that_come_ever_later_are_no_present() -> None:
     monitor = Monitor(quick())
     list(monitor.feed(lines()[:140]))
     source, clock = ticking(iter([[line] for line in lines()[140:]]), 0.4)
-    found = list(answers(monitor, source, "live", [], clock))  # type: ignore[arg-type]
+    found = list(answers(monitor, source, "live", [], clock))
     assert found[0].status == "ok"
     assert found[-1].status == "unknown"
     assert "later than they did" in (found[-1].reason or "")
@@ -149,7 +149,7 @@ def test_what_was_there_before_listening_is_never_a_present(tmp_path: Path) -> N
     path = tmp_path / "old.csv"
     path.write_text("\n".join(lines()[:150]) + "\n")
     source, clock = ticking(islice(batches(str(path), "live", 0.001), 40), 0.1)
-    found = list(answers(Monitor(quick()), source, "live", [], clock))  # type: ignore[arg-type]
+    found = list(answers(Monitor(quick()), source, "live", [], clock))
     assert found and all(a.status == "unknown" for a in found)
     assert "no sample has come since the monitor began to listen" in (found[0].reason or "")
 
@@ -211,11 +211,12 @@ def test_a_mistake_costs_one_sentence(
 def test_the_view_shows_what_is_known_and_what_is_not() -> None:
     from rich.console import Console
 
-    console = Console(file=io.StringIO(), width=100)
+    screen = io.StringIO()
+    console = Console(file=screen, width=100)
     monitor = Monitor(quick())
     for answer in monitor.feed(lines()[:140]):
         console.print(picture(answer, 6.0))
     console.print(picture(monitor.silent(3.0), 6.0))
-    shown = console.file.getvalue()  # type: ignore[attr-defined]
+    shown = screen.getvalue()
     assert "UNKNOWN" in shown and "no usable sample for 3 s" in shown
     assert "0 % exceed a limit" in shown and "next quiet window" in shown

@@ -102,4 +102,4 @@ def _episode(use: np.ndarray, number: int, seed: int, names: list[str]) -> dict[
              for k, (name, one) in enumerate(zip(names, use, strict=True))}  # fmt: skip
     done = bool(use[0] < 1.6)
     head = {"number": number, "seed": seed, "reason": "goal" if done else "time_out", "success": done}
-    return head | {"time_s": 40.0 + 5.0 * use[0], "exceeds": ",".join(over)} | peaks
+    return head | {"time_s": 40.0 + 5.0 * use[0], "exceeds": ",".join(over), "worst_use": float(use.max())} | peaks

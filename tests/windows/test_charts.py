@@ -111,7 +111,9 @@ def test_a_cell_looks_like_its_verdict_and_limit(cells: pl.DataFrame, told: dict
         path = next(found[f"s1p0c{row['cell']}"].iter(f"{SVG}path"))
         style = path.get("style", "")
         if look.hatch:
-            pattern = patterns[re.search(r"url\(#([^)]*)\)", style)[1]]  # type: ignore[index]
+            named = re.search(r"url\(#([^)]*)\)", style)
+            assert named is not None
+            pattern = patterns[named[1]]
             style = next(pattern.iter(f"{SVG}rect")).get("fill", "") + ET.tostring(pattern, "unicode")
         assert look.face in style
     assert len(set(own["verdict"])) > 1  # or nothing has been compared

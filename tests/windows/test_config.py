@@ -9,6 +9,7 @@ import pytest
 
 from ssmash_gym.document import write_yaml
 from ssmash_gym.envs.scenario import load_scenario
+from ssmash_gym.envs.seaways import SeawayMotions
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.windows.axes import AXES
 from ssmash_gym.windows.cells import Grid, settings
@@ -130,7 +131,7 @@ def test_files_that_a_window_names_lie_beside_it(tmp_path: Path, monkeypatch: py
     (tmp_path / "mine.yaml").write_text(write_yaml({"base": "base.yaml", "seed": 9}))
     monkeypatch.chdir("/")
     found = settings(load_window(tmp_path / "mine.yaml"))["traverse"]
-    assert found.scenario.motion.sea_state == 4  # type: ignore[union-attr]
+    assert isinstance(found.scenario.motion, SeawayMotions) and found.scenario.motion.sea_state == 4
 
 
 def test_bases_have_bases_and_null_takes_away(tmp_path: Path) -> None:

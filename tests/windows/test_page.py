@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from ssmash_gym.windows import charts, page_words
 from ssmash_gym.windows.chart_layout import layout_of
 from ssmash_gym.windows.page import Film, inlined, write_window_page
 from ssmash_gym.windows.page_data import MOST_EPISODES, page_data, rounded, worst
+from tests.html_reader import HtmlReader
 from tests.windows.synthetic import AXES, document, tables
 
 SMALL = {
@@ -24,36 +24,17 @@ SMALL = {
     "waves_from_deg": AXES["waves_from_deg"] | {"values": [0, 90, 180, 270]},
     "speed_kn": AXES["speed_kn"] | {"values": [0, 10]},
 }
-VOID = ("meta", "img", "br", "path", "use", "rect", "stop")
 
 
-class Reader(HTMLParser):
-    """Checks that tags are closed in order; collects attributes, and texts without scripts."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.attributes: list[tuple[str, str, str]] = []
-        self.texts: list[str] = []
-        self.feed(text)
-        self.close()
-        assert not self.open
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.attributes += [(tag, name, value or "") for name, value in attrs]
-        if tag not in VOID:
-            self.open.append(tag)
+class Reader(HtmlReader):
+    """Texts without scripts."""
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.attributes += [(tag, name, value or "") for name, value in attrs]
 
-    def handle_endtag(self, tag: str) -> None:
-        if tag not in VOID:
-            assert self.open.pop() == tag
-
     def handle_data(self, data: str) -> None:
         if not {"script", "style"} & set(self.open):
-            self.texts.append(data)
+            super().handle_data(data)
 
     def of(self, name: str) -> list[str]:
         return [value for _, one, value in self.attributes if one == name]
@@ -150,7 +131,7 @@ def test_the_worst_episodes_follow_the_use_if_it_is_told(told: dict[str, Any]) -
     head = {"stage": ["s"] * 4, "policy": ["p"] * 4, "cell": [0] * 4, "number": range(4), "seed": range(4)}
     rows = pl.DataFrame(head | {"exceeds": ["", "", "a", None], "worst_use": [0.2, 0.9, 1.1, None]})
     cells = pl.DataFrame({"stage": ["s"], "policy": ["p"], "cell": [0]})
-    assert worst(rows, cells, told)["seed"].to_list() == [2, 1, 0, 3]
+    assert worst(rows, cells)["seed"].to_list() == [2, 1, 0, 3]
 
 
 def test_words_and_tables_count_the_cells(both: tuple[pl.DataFrame, pl.DataFrame], told: dict[str, Any]) -> None:

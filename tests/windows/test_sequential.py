@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -10,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN, bounds, log_bet_greater, log_bet_smaller
+from ssmash_gym.windows.sequential import BEYOND, UNDECIDED, WITHIN, bounds, fewest, log_bet_greater, log_bet_smaller
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "window_calibration.py"
 
 
 @pytest.mark.parametrize("bet", [log_bet_smaller, log_bet_greater])
 @pytest.mark.parametrize("p", [0.02, 0.1, 0.5, 0.93])
-def test_the_bets_are_fair(bet, p: float) -> None:  # type: ignore[no-untyped-def]
+def test_the_bets_are_fair(bet: Callable[..., np.ndarray], p: float) -> None:
     """Under p the expected bet is 1 after any number of episodes: Ville's inequality rests on that and nothing else."""
     for n in (1, 7, 60):
         hits = np.arange(n + 1)
@@ -51,6 +52,12 @@ def test_bounds_enclose_the_share_and_tighten() -> None:
 def test_forty_quiet_episodes_are_within_ten_percent_and_a_few_loud_ones_beyond() -> None:
     assert bounds([0, 0, 7, 1], [38, 40, 10, 20]).verdicts(0.1).tolist() == [UNDECIDED, WITHIN, BEYOND, UNDECIDED]
     assert bounds(0, 40, 0.999).verdicts(0.1) == UNDECIDED  # more confidence takes more
+
+
+def test_the_fewest_quiet_episodes_are_the_first_that_show_it() -> None:
+    for acceptance, level in ((0.5, 0.95), (0.1, 0.95), (0.1, 0.99), (0.001, 0.95)):
+        n = fewest(acceptance, level)
+        assert bounds([0, 0], [n - 1, n], level).verdicts(acceptance).tolist() == [UNDECIDED, WITHIN]
 
 
 @pytest.mark.parametrize(("hits", "episodes", "level"), [(3, 2, 0.95), (-1, 2, 0.95), (1, 2, 1.0)])
