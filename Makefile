@@ -12,7 +12,7 @@ EPISODES ?= 200
 SEED ?= 100000
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lock train seas test lint format bench docs acceptance clean
+.PHONY: help setup lock console train seas test lint format bench docs acceptance clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -26,6 +26,9 @@ $(STAMP): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --disable-pip-version-check --progress-bar off -q -r requirements.lock
 	$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e .
 	@touch $@
+
+console: $(STAMP) ## Drive the claw yourself, on a page in the browser (Ctrl-C ends)
+	$(BIN)/ssmash console
 
 train: $(STAMP) ## Train a traverse agent in some minutes (CONFIG=ppo_traverse: like the shipped one), then evaluate it
 	$(BIN)/python train.py --config $(CONFIG)

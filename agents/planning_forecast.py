@@ -67,7 +67,9 @@ class ArForecast:
         time = self._spacing_s * np.arange(self._ahead)
         fading = np.exp(-time / GUST_FADES_S)
         shape = np.stack([fading, -fading / GUST_FADES_S, fading / GUST_FADES_S**2], axis=1)
-        return decks, self._core.batch.gust_nodes[rows, passed, 0][:, None, None] * shape
+        gusts = self._core.batch.gust_nodes
+        now = np.minimum(passed, gusts.shape[1] - 1)  # a batch without gusts has a short table of zeros
+        return decks, gusts[rows, now, 0][:, None, None] * shape
 
     def _history(self, k: int) -> Array:
         """Samples of the unramped motion before the task's time, oldest first, (count, 6)."""

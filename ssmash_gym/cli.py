@@ -36,6 +36,15 @@ class Verb:
 
 
 VERBS = {
+    "console": Verb("Drive the claw yourself, on a page in the browser", "ssmash_gym.console.verb:console"),
+    "trial": Verb("A participant's session: practice, then scored seas", "ssmash_gym.console.verb:trial"),
+    "replay": Verb("Simulate recorded trials once more, bit for bit; film one", "ssmash_gym.trials.verbs:replay_files"),
+    "view": Verb("Show recordings in 3-D, several over one another", "ssmash_gym.console.view_verb:view"),
+    "benchmark": Verb(
+        "Compare recorded trials with policies and agents in the same seas", "ssmash_gym.benchmark.verb:benchmark"
+    ),
+    "export": Verb("Write trials or a policy's episodes as a Minari dataset", "ssmash_gym.trials.export:export"),
+    "clone": Verb("Train an agent on recorded trials: behaviour cloning", "ssmash_gym.agents.cloning:clone"),
     "train": Verb("Train an agent from one YAML file; resume a run", "ssmash_gym.agents.training:train"),
     "evaluate": Verb("Compare an agent with the baselines on frozen seeds", "ssmash_gym.agents.evaluation:evaluate"),
     "ship": Verb("Make a folder of a trained agent that can be given away", "ssmash_gym.training.ship:ship"),

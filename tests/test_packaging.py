@@ -140,6 +140,8 @@ EXTRAS = {
     "report": ("jinja2",),
     "render": ("pygame", "imageio_ffmpeg", "moviepy"),
     "plot": ("matplotlib",),
+    "web": ("websockets",),
+    "data": ("minari",),
 }
 IMPORT_EVERYTHING = """
 import importlib, pkgutil, re, sys
@@ -149,7 +151,7 @@ for module in pkgutil.walk_packages(ssmash_gym.__path__, "ssmash_gym.", onerror=
     try:
         importlib.import_module(module.name)
     except ImportError as refusal:
-        if not re.search(r"ssmash_gym\\[(train|tune|onnx|report|render|plot)\\]", str(refusal)):
+        if not re.search(r"ssmash_gym\\[(train|tune|onnx|report|render|plot|web|data)\\]", str(refusal)):
             print(f"{module.name}: {refusal}")
 """
 

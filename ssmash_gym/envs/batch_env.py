@@ -207,12 +207,13 @@ class TraverseBatch:
         assert generator is not None
         return generator
 
-    def step(self, actions: ArrayLike, columns: ArrayLike | None = None) -> StepResult:
+    def step(self, actions: ArrayLike, columns: ArrayLike | None = None, *, direct: bool = False) -> StepResult:
         """One control interval under normalised claw commands.
 
         Args:
             actions: (m, 2), along and across the track; clipped to +-1, the share beyond is reported.
             columns: Which columns; None means all. Their episodes must be running.
+            direct: They are commands whatever the task: a baseline that they would correct only looks on.
 
         Raises:
             ValueError: A command is not finite, or has the wrong shape.
@@ -222,22 +223,23 @@ class TraverseBatch:
         if self.book.over[chosen].any():
             k = int(chosen[np.argmax(self.book.over[chosen])])
             raise RuntimeError(f"the episode of helicopter {k} is over or has not begun: reset it first")
-        reading, saturation = self.moved(actions, chosen)
+        reading, saturation = self.moved(actions, chosen, direct)
         self.book.note(chosen, reading, saturation)
         return self._judged(chosen, reading, saturation)
 
-    def moved(self, actions: ArrayLike, columns: Columns | None = None) -> tuple[Reading, Array]:
+    def moved(self, actions: ArrayLike, columns: Columns | None = None, direct: bool = False) -> tuple[Reading, Array]:
         """What a step begins with: one control interval of motion, read but not judged, noted or observed.
 
         Args:
             actions: As of `step`.
             columns: Which columns, (m,); None means all. Whether their episodes run is not looked at.
+            direct: As of `step`.
 
         Returns:
             What can be read of the interval; share of each command that lay beyond +-1, (m,).
         """
         chosen = self.batch.columns(columns)
-        commands, saturation = self._commands(actions, chosen)
+        commands, saturation = self._commands(actions, chosen, direct)
         previous = self.book.command[chosen]
         self.batch.advance(commands, columns)
         self.book.command[chosen] = commands
@@ -248,7 +250,7 @@ class TraverseBatch:
         self.book.held[chosen] = reading.held
         return reading, saturation
 
-    def _commands(self, actions: ArrayLike, columns: Columns) -> tuple[Array, Array]:
+    def _commands(self, actions: ArrayLike, columns: Columns, direct: bool) -> tuple[Array, Array]:
         raw = np.asarray(actions, dtype=np.float64)
         if raw.shape != (columns.size, ACTIONS):
             raise ValueError(f"action: shape {raw.shape}, must be ({columns.size}, {ACTIONS})")
@@ -258,7 +260,7 @@ class TraverseBatch:
         beyond = np.abs(raw) > 1.0
         wanted = np.clip(raw, -1.0, 1.0)
         if self._guide is not None:
-            wanted = self._guide.commands(wanted, self.last, columns)
+            wanted = self._guide.commands(wanted, self.last, columns, direct)
         bound = self._bound[columns]
         return np.clip(wanted, -bound, bound), 0.5 * (beyond[:, 0].astype(np.float64) + beyond[:, 1])
 

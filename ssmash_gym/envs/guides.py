@@ -36,13 +36,16 @@ class Guide:
         """Start episodes of the listed columns."""
         self._fresh[columns] = True
 
-    def commands(self, actions: Array, observations: NDArray[np.float32], columns: Columns) -> Array:
+    def commands(
+        self, actions: Array, observations: NDArray[np.float32], columns: Columns, direct: bool = False
+    ) -> Array:
         """Commands of the listed columns: the baseline's plus the correction, within +-1, (m, 2).
 
         Args:
             actions: Corrections as shares of their bounds, (m, 2).
             observations: The last ones of all helicopters, (n, size).
             columns: Which, (m,).
+            direct: The actions are commands: the baseline looks on, so that it can take over, and adds nothing.
         """
         before = self._memory()
         driven: Array = self._law.act(observations, self._fresh)[columns]
@@ -50,7 +53,7 @@ class Guide:
             values[columns] = getattr(self._law, name)[columns]
             setattr(self._law, name, values)
         self._fresh[columns] = False
-        return np.asarray(np.clip(driven + self._bound * actions, -1.0, 1.0))
+        return actions if direct else np.asarray(np.clip(driven + self._bound * actions, -1.0, 1.0))
 
     def _memory(self) -> dict[str, NDArray[Any]]:
         return {name: getattr(self._law, name).copy() for name in self._law.MEMORY}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 import polars as pl
@@ -14,11 +14,41 @@ from ssmash_gym.envs.limits import LIMITS, failed
 from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.envs.step import StepResult
 from ssmash_gym.envs.task import TaskConfig
-from ssmash_gym.evaluation.policies import Policy
+from ssmash_gym.evaluation.policies import Policy, attach
 from ssmash_gym.vehicle import Helicopter
 
 OF_A_SEA: Final = ("sea_hs_m", "sea_heading_deg", "sea_speed_kn")  # numbers in every row, or missing in all
 LARGEST_BATCH: Final = 256  # helicopters at once; an episode's result does not depend on it
+
+
+class Watch(Protocol):
+    """What looks on while episodes are driven, and adds numbers to their rows."""
+
+    def note(self, result: StepResult) -> None:
+        """Called after each control interval."""
+
+    def row(self, k: int) -> dict[str, Any]:
+        """What it adds to the row of column k, whose episode has ended."""
+
+
+class Exceeded:
+    """Counts the control intervals in which a limit was exceeded.
+
+    Args:
+        count: Episodes, one a column.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._counts = {name: np.zeros(count, dtype=np.int64) for name in LIMITS}
+
+    def note(self, result: StepResult) -> None:
+        """Called after each control interval."""
+        for name, costs in result.costs.items():
+            self._counts[name][result.columns] += costs > 0.0
+
+    def row(self, k: int) -> dict[str, int]:
+        """The counts of column k, by limit."""
+        return {name: int(count[k]) for name, count in self._counts.items()}
 
 
 def run_episodes(
@@ -29,6 +59,7 @@ def run_episodes(
     helicopter: str | Helicopter = "generic_tricycle",
     threads: int | None = None,
     tell: Callable[[int], None] = lambda steps: None,
+    watch: Callable[[TraverseBatch], Watch] | None = None,
 ) -> pl.DataFrame:
     """One episode a seed.
 
@@ -39,6 +70,7 @@ def run_episodes(
         helicopter: Name, or ready-made.
         threads: Workers; the result does not depend on them.
         tell: Called after each control interval with the number of helicopters that took it.
+        watch: Given each batch of episodes that have just begun, it makes what looks on; None: nothing does.
 
     Returns:
         One row an episode: ``seed``, the metrics of the environment (the severity of its sea among them), ``failed``
@@ -48,7 +80,12 @@ def run_episodes(
     """
     rows: list[dict[str, Any]] = []
     for first in range(0, len(seeds), LARGEST_BATCH):
-        rows += _run_batch(policy, scenario, seeds[first : first + LARGEST_BATCH], helicopter, threads, tell)
+        rows += _run_batch(policy, scenario, seeds[first : first + LARGEST_BATCH], helicopter, threads, tell, watch)
+    return numbered(rows)
+
+
+def numbered(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
+    """Rows of episodes as a table."""
     return pl.DataFrame(rows, schema_overrides=dict.fromkeys(OF_A_SEA, pl.Float64))
 
 
@@ -101,27 +138,36 @@ def _run_batch(
     helicopter: str | Helicopter,
     threads: int | None,
     tell: Callable[[int], None],
+    watch: Callable[[TraverseBatch], Watch] | None,
 ) -> list[dict[str, Any]]:
     batch = TraverseBatch(len(seeds), task=policy.task, scenario=scenario, helicopter=helicopter, threads=threads)
-    attach = getattr(policy, "attach", None)
-    if attach is not None:
-        attach(batch)
+    attach(policy, batch)
     observations = batch.reset(seeds=list(seeds))
-    exceeded = {name: np.zeros(len(seeds), dtype=np.int64) for name in LIMITS}
+    exceeded = Exceeded(len(seeds))
+    also = None if watch is None else watch(batch)
 
     def note(result: StepResult) -> None:
-        for name, costs in result.costs.items():
-            exceeded[name][result.columns] += costs > 0.0
+        exceeded.note(result)
+        if also is not None:
+            also.note(result)
         tell(int(result.columns.size))
 
     found = drive(policy, batch, observations, note)
     return [
-        _row(seed, found[k], {name: int(count[k]) for name, count in exceeded.items()}, policy.task)
+        episode_row(seed, found[k], exceeded.row(k), policy.task) | ({} if also is None else also.row(k))
         for k, seed in enumerate(seeds)
     ]
 
 
-def _row(seed: int, metrics: dict[str, Any], exceeded: dict[str, int], task: TaskConfig) -> dict[str, Any]:
+def episode_row(seed: int, metrics: dict[str, Any], exceeded: dict[str, int], task: TaskConfig) -> dict[str, Any]:
+    """The row of an episode, see `run_episodes`.
+
+    Args:
+        seed: Of the episode.
+        metrics: The environment's.
+        exceeded: As of `Exceeded.row`.
+        task: As the episode is judged.
+    """
     lost = failed(metrics["reason"])
     peak_kN = task.limits.probe_ultimate_kN if lost else metrics["peak_probe_kN"]
     counts = {f"cost_{name}": count for name, count in exceeded.items()}

@@ -16,7 +16,7 @@ from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.errors import ConfigurationError, require
 from ssmash_gym.evaluation.film_grid import Grid, Panel
 from ssmash_gym.evaluation.page_style import Style, styles
-from ssmash_gym.evaluation.policies import Policy
+from ssmash_gym.evaluation.policies import Policy, attach
 from ssmash_gym.files import whole_files
 from ssmash_gym.vehicle import Helicopter
 
@@ -152,9 +152,7 @@ class Take:
     ) -> None:
         self.name, self.policy = policy.name, policy
         self.core = TraverseBatch(1, task=policy.task, scenario=scenario, helicopter=helicopter)
-        attach = getattr(policy, "attach", None)
-        if attach is not None:
-            attach(self.core)
+        attach(policy, self.core)
         self.observation: NDArray[np.float32] = self.core.reset(seeds=[seed])
         policy.reset(1)
         self.film = Film(self.core, 0, "rgb_array")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ssmash_gym.assets import asset_path
+from ssmash_gym.envs.batch_env import TraverseBatch
 from ssmash_gym.envs.task import TaskConfig
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.training.agent import ABOUT, Agent, load_agent
@@ -47,6 +48,13 @@ class Policy(Protocol):
         Returns:
             Along and across the track, within -1 to 1, (n, 2).
         """
+
+
+def attach(policy: Policy, batch: TraverseBatch) -> None:
+    """Tell a policy of the simulation that it will act in, where it wants to know: planners do."""
+    told = getattr(policy, "attach", None)
+    if told is not None:
+        told(batch)
 
 
 def baselines() -> Mapping[str, Callable[[TaskConfig], Policy]]:

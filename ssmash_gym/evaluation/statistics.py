@@ -176,6 +176,21 @@ def estimates(
     return [Estimate(float(value), low, high) for value, (low, high) in zip(values, bounds, strict=True)]
 
 
+def improvement(values: ArrayLike, others: ArrayLike, axis: int = -1) -> Array:
+    """Probability of improvement where less is better: the share of pairs in which the first number is the lower one.
+
+    An equal pair counts half. Pairs are of one sea, so that it is the stratified form of Agarwal et al. (2021, "Deep
+    reinforcement learning at the edge of the statistical precipice") with a sea as the task.
+
+    Args:
+        values: (..., n) of the first.
+        others: The same of the second, in the same seas.
+        axis: Along which the pairs lie.
+    """
+    ours, theirs = np.asarray(values, dtype=np.float64), np.asarray(others, dtype=np.float64)
+    return np.asarray(np.mean((ours < theirs) + 0.5 * (ours == theirs), axis=axis))
+
+
 def ratio(values: ArrayLike, divisors: ArrayLike) -> Array:
     """Quotient, NaN where the divisor is not positive."""
     below = np.asarray(divisors, dtype=np.float64)

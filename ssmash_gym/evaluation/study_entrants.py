@@ -16,7 +16,7 @@ from ssmash_gym.document import listed
 from ssmash_gym.envs.task import PERCEIVED, TaskConfig, observed_as
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import digest
-from ssmash_gym.evaluation.policies import Policy, agent_folder, baselines, make_baseline
+from ssmash_gym.evaluation.policies import Policy, agent_folder, baselines, is_scripted, make_baseline
 from ssmash_gym.evaluation.study import NAME
 from ssmash_gym.training.agent import NORMALISER, WEIGHTS, Agent, load_agent
 
@@ -64,6 +64,19 @@ def scripted_entrant(name: str, task: TaskConfig) -> Entrant:
     return Entrant(name, None, kind, identity, functools.partial(make_baseline, name))
 
 
+def entrant(word: str, task: TaskConfig) -> Entrant:
+    """A scripted policy or a planner by name, or else a trained agent as `agent_entrants` takes it.
+
+    Args:
+        word: Name, or an agent's folder.
+        task: To try a scripted one in.
+
+    Raises:
+        ConfigurationError: There is none of that name, or it does not suit the task.
+    """
+    return scripted_entrant(word, task) if is_scripted(word) else agent_entrants([word])[0]
+
+
 def agent_entrants(words: Sequence[str]) -> list[Entrant]:
     """Agents as the command line names them.
 
@@ -100,7 +113,8 @@ def _agent(folder: Path, called: str) -> Entrant:
     files = [(folder / name).read_bytes() for name in (WEIGHTS, NORMALISER)]
     own = {key: value for key, value in agent.task.model_dump(mode="json").items() if key in PERCEIVED}
     identity = digest([hashlib.sha256(content).hexdigest() for content in files], own, ssmash_gym.__version__)
-    about = {key: agent.about[key] for key in ("name", "configuration", "steps", "versions") if key in agent.about}
+    told = ("name", "configuration", "steps", "versions", "cloned_from")
+    about = {key: agent.about[key] for key in told if key in agent.about}
     return Entrant(agent.name, agent.training.seed, AGENT, identity, functools.partial(_within, agent), about)
 
 

@@ -105,14 +105,14 @@ def policy_figures(episodes: Episodes, options: Options) -> dict[str, Any]:
         episodes: Its episodes.
         options: Of the intervals.
     """
-    found = _estimated([episodes], lambda codes: _own(episodes, codes), options)
+    found = estimated([episodes], lambda codes: _own(episodes, codes), options)
     load = {key: found.pop(f"peak_{key}") for key in ("p95", "mean", "iqm")}
     main = {key: found.pop(f"main_{key}") for key in ("p95", "mean")}
     document: dict[str, Any] = {
         "episodes": episodes.codes.size,
         "seas": int(episodes.seas.size),
         "training_seeds": [seed for seed in episodes.training_seeds if seed is not None],
-        **{name: _share(episodes, name, found.pop(name), options) for name in SHARES},
+        **{name: share_figure(episodes, name, found.pop(name), options) for name in SHARES},
         "peak_probe_kN": load,
         "peak_main_kN": main,
         **found,
@@ -150,7 +150,7 @@ def beyond_hold(episodes: Episodes, hold: Episodes, options: Options) -> dict[st
             "more_lift_offs_share": mean(lift_offs[codes] > 0.0),
         }
 
-    figures = _estimated([episodes], found, options)
+    figures = estimated([episodes], found, options)
     loads = {key: figures.pop(key) for key in ("p95", "mean", "iqm")}
     return {"excess_kN": loads, "excess": figures}
 
@@ -186,7 +186,7 @@ def pair_figures(episodes: Episodes, other: Episodes, options: Options) -> dict[
             **differences,
         }
 
-    return {"seas": int(episodes.seas.size), **_estimated([episodes, other], found, options)}
+    return {"seas": int(episodes.seas.size), **estimated([episodes, other], found, options)}
 
 
 def gap_figures(law: Episodes, policy: Episodes, clairvoyant: Episodes, options: Options) -> dict[str, Any]:
@@ -203,7 +203,7 @@ def gap_figures(law: Episodes, policy: Episodes, clairvoyant: Episodes, options:
             gaps[name] = ratio(high - here, high - low)
         return gaps
 
-    return {"seas": int(law.seas.size), **_estimated([law, policy, clairvoyant], found, options)}
+    return {"seas": int(law.seas.size), **estimated([law, policy, clairvoyant], found, options)}
 
 
 def _own(episodes: Episodes, codes: Codes) -> dict[str, Array]:
@@ -232,7 +232,7 @@ def _per_seed(episodes: Episodes) -> list[dict[str, Any]]:
     ]
 
 
-def _share(episodes: Episodes, name: str, found: dict[str, Any], options: Options) -> dict[str, Any]:
+def share_figure(episodes: Episodes, name: str, found: dict[str, Any], options: Options) -> dict[str, Any]:
     """A share with Wilson's interval; of several training seeds with the wider bounds of the bootstrap and Wilson's.
 
     Wilson's is then that of so many seas with the mean share: near 0 and 1 the bootstrap alone is too narrow, and has
@@ -247,8 +247,14 @@ def _share(episodes: Episodes, name: str, found: dict[str, Any], options: Option
     return {"value": found["value"], "ci": [min(low, wilson.low), max(high, wilson.high)]}
 
 
-def _estimated(samples: Sequence[Episodes], figures: Any, options: Options) -> dict[str, Any]:
-    """Named figures of episodes with their intervals."""
+def estimated(samples: Sequence[Episodes], figures: Any, options: Options) -> dict[str, Any]:
+    """Named figures of episodes with their intervals, as they stand in ``summary.json``.
+
+    Args:
+        samples: The episodes of one policy, or of several in the same seas.
+        figures: Function of as many numbers of episodes as there are samples, ``(..., episodes)``; gives (...) by name.
+        options: Of the intervals.
+    """
     names: list[str] = []
 
     def stacked(*codes: Codes) -> Array:

@@ -69,7 +69,7 @@ def read_rows(out: Path) -> pl.DataFrame:
 
 
 def read_frames(
-    folder: Path, keys: Sequence[str], kind: str, columns: Sequence[str] | None = None
+    folder: Path, keys: Sequence[str], kind: str, columns: Sequence[str] | None = None, names: str = "*"
 ) -> list[pl.DataFrame]:
     """The tables of a folder's Parquet files, in the order of their names.
 
@@ -78,12 +78,13 @@ def read_frames(
         keys: Columns that each must have.
         kind: What they are of, for messages.
         columns: Those to read besides the keys; all by default.
+        names: Pattern of the files' names, without ``.parquet``.
 
     Raises:
         ConfigurationError: A file cannot be read, or lacks a key.
     """
     frames = []
-    for path in sorted(folder.glob("*.parquet")):
+    for path in sorted(folder.glob(f"{names}.parquet")):
         try:
             frame = pl.read_parquet(path, columns=None if columns is None else [*keys, *columns])
         except (pl.exceptions.PolarsError, OSError) as error:

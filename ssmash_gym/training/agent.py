@@ -18,7 +18,7 @@ import hashlib
 import json
 import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -112,7 +112,35 @@ def save_agent(
         scenario: The same of the scenario.
         about: Further entries for ``agent.json`` (steps, seeds, versions).
     """
-    network = policy_network(model.policy)
+
+    def also(temporary: Path) -> None:
+        model.save(temporary / "policy.zip", exclude=list(NOT_KEPT))
+
+    write_agent(folder, policy_network(model.policy), Normaliser.of(wrapper), training, task, scenario, about, also)
+
+
+def write_agent(
+    folder: Path,
+    network: Network,
+    normaliser: Normaliser,
+    training: TrainingConfig,
+    task: TaskConfig,
+    scenario: ScenarioConfig,
+    about: Mapping[str, Any],
+    also: Callable[[Path], None] = lambda temporary: None,
+) -> None:
+    """Write an agent's folder from plain numbers, whole or not at all; an older folder of that name is replaced.
+
+    Args:
+        folder: Where.
+        network: Mean of the policy.
+        normaliser: What it does to observations.
+        training: Resolved configuration of the training.
+        task: The same of the task.
+        scenario: The same of the scenario.
+        about: Further entries for ``agent.json`` (steps, seeds, versions).
+        also: Writes further files into the folder it is given.
+    """
     record = {
         "format": FORMAT,
         "name": training.name,
@@ -128,8 +156,8 @@ def save_agent(
     }
     with whole_folder(folder) as temporary:
         np.savez(temporary / WEIGHTS, **network.arrays())  # type: ignore[arg-type]
-        model.save(temporary / "policy.zip", exclude=list(NOT_KEPT))
-        Normaliser.of(wrapper).write(temporary / NORMALISER)
+        also(temporary)
+        normaliser.write(temporary / NORMALISER)
         for name, section in (("training", training), ("task", task), ("scenario", scenario)):
             write_text(temporary / f"{name}.yaml", write_yaml(section.model_dump(mode="json")))
         write_text(temporary / "README.md", brief_card(record, training))

@@ -31,6 +31,7 @@ ALGORITHMS: Final = {
     "ppo": "proximal policy optimisation (PPO)",
     "sac": "soft actor-critic (SAC)",
     "tqc": "truncated quantile critics (TQC)",
+    "cloning": "behaviour cloning (supervised learning on recorded episodes)",
 }
 USE: Final = """```python
 from ssmash_gym.envs.batch_env import TraverseBatch

@@ -41,7 +41,9 @@ class TrainingConfig(Section):
     description: str = ""
     seed: Annotated[int, Field(ge=0)] = 0
     total_steps: Count = Field(description="control intervals of all helicopters together")
-    algorithm: Literal["ppo", "sac", "tqc"] = Field("ppo", description="which section of that name holds")
+    algorithm: Literal["ppo", "sac", "tqc", "cloning"] = Field(
+        "ppo", description="which section of that name holds; cloning: supervised learning, by `ssmash clone`"
+    )
     device: Literal["auto", "cpu", "cuda"] = Field(
         "cpu", description="of the networks: small ones are quickest on the processor; auto takes a GPU that is there"
     )
@@ -61,7 +63,7 @@ class TrainingConfig(Section):
     def learner(self) -> Ppo | Sac:
         """The section of the chosen algorithm."""
         off_policy = self.tqc if self.algorithm == "tqc" else self.sac
-        return self.ppo if self.algorithm == "ppo" else off_policy
+        return self.ppo if self.algorithm in ("ppo", "cloning") else off_policy
 
     @property
     def steps_per_update(self) -> int:

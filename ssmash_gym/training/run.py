@@ -70,10 +70,21 @@ def train(
         reached = search(plan, new_folder(out, plan.name), console)
     else:
         settings = load_training(named(config), changes)
+        refuse_cloning(settings)
         require_training(settings.algorithm)
         reached = learn(settings, new_folder(out, settings.name), console)
     if not reached:
         raise SystemExit(STOPPED)
+
+
+def refuse_cloning(settings: TrainingConfig) -> None:
+    """Refuse a training that needs recorded trials.
+
+    Raises:
+        ConfigurationError: It is one.
+    """
+    if settings.algorithm == "cloning":
+        raise ConfigurationError("algorithm = 'cloning' is refused here: `ssmash clone` learns from recorded trials.")
 
 
 def go_on(run: Path, console: Console) -> bool:
@@ -257,10 +268,15 @@ def check_stages(settings: TrainingConfig, core: Any) -> None:
 def describe(settings: TrainingConfig, core: Any) -> dict[str, Any]:
     """Where the run comes from: versions, seed, fingerprint of the resolved configuration."""
     return {
-        "versions": {"ssmash_gym": ssmash_gym.__version__, "python": platform.python_version(), **library_versions()},
+        "versions": versions(),
         "seed": settings.seed,
         "configuration": fingerprint(settings, core.task, core.scenario),
     }
+
+
+def versions() -> dict[str, str]:
+    """Versions of the package, of Python and of the libraries."""
+    return {"ssmash_gym": ssmash_gym.__version__, "python": platform.python_version(), **library_versions()}
 
 
 def library_versions() -> dict[str, str]:

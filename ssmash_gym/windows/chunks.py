@@ -21,7 +21,7 @@ from ssmash_gym.envs.scenario import EpisodeDraw, ScenarioConfig
 from ssmash_gym.envs.step import StepResult
 from ssmash_gym.evaluation.conditions import digest
 from ssmash_gym.evaluation.episodes import OF_A_SEA, drive
-from ssmash_gym.evaluation.policies import Policy
+from ssmash_gym.evaluation.policies import Policy, attach
 from ssmash_gym.evaluation.study_entrants import Entrant, code
 from ssmash_gym.simulation.snapshot import moving, rewind
 from ssmash_gym.windows.cells import Grid, Setting
@@ -199,9 +199,7 @@ class _Crew:
 
 def _episodes(policy: Policy, core: TraverseBatch, observations: Any, tell: Tell) -> list[dict[str, Any]]:
     """Metrics and peaks of episodes that stand at their start."""
-    attach = getattr(policy, "attach", None)
-    if attach is not None:
-        attach(core)
+    attach(policy, core)
     book = PeakBook(core, len(observations))
 
     def note(result: StepResult) -> None:

@@ -122,3 +122,15 @@ def test_sampled_plans_lower_the_peaks() -> None:
     plain, planned = ends(Clairvoyant(SHORT, NOTHING), seeds), ends(Mppi(SHORT, settings), seeds)
     peaks = [np.mean([float(str(e["peak_probe_kN"])) for e in some]) for some in (plain, planned)]
     assert peaks[1] < 0.85 * peaks[0]
+
+
+def test_plans_are_made_in_a_calm_sea_without_gusts() -> None:
+    planner = Mppi(SHORT, FEW)
+    core = TraverseBatch(1, task=SHORT, scenario=load_scenario("calm"))
+    planner.attach(core)
+    seen = core.reset(seeds=[1])
+    planner.reset(1)
+    for _ in range(3):
+        command = planner.act(seen)
+        assert np.isfinite(command).all()
+        seen = core.step(command).observation

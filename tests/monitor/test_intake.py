@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ssmash_gym.monitor.intake import Intake
@@ -102,6 +102,7 @@ def test_a_deck_that_does_not_move_at_all_is_stuck_from_the_beginning() -> None:
     assert "roll and pitch and yaw" in intake.why
 
 
+@settings(deadline=None)
 @given(st.lists(st.one_of(st.text(max_size=60), st.lists(st.floats(), max_size=20).map(str)), max_size=20))
 def test_no_text_stops_it(texts: list[str]) -> None:
     intake = Intake(quick())

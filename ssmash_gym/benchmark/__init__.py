@@ -1,0 +1,1 @@
+"""`ssmash benchmark`: recorded trials beside policies and agents in the same seas, with matched delays."""

@@ -1,0 +1,1 @@
+"""A person at the claw: the page, its server, and recordings shown in the same scene."""
