@@ -43,6 +43,11 @@ class Entry:
         return int(self.trial.about["session"].get("number") or 0)
 
     @property
+    def attempt(self) -> int:
+        """Which attempt at its sea it was; above 1 the driver had seen some of the sea before."""
+        return int(self.trial.about["session"].get("attempt") or 1)
+
+    @property
     def counts(self) -> bool:
         """Whether its figures are compared."""
         return not self.reason
@@ -60,13 +65,32 @@ def read_entries(folders: Sequence[Path]) -> list[Entry]:
         folders: Each is searched with all folders below it.
 
     Raises:
-        ConfigurationError: A folder is missing or holds no trial, or a file is damaged.
+        ConfigurationError: A folder is missing or holds no trial, a file is damaged, or one participant's session
+            lies in two folders.
     """
     found: list[tuple[str, Path, Trial]] = []
+    read: set[Path] = set()
     for folder in folders:
-        found += [(path.relative_to(folder).as_posix(), path, trial) for path, trial in read_trials(folder)]
+        for path, trial in read_trials(folder):
+            if path.resolve() not in read:  # a folder may be named twice, or lie in another one
+                found.append((path.relative_to(folder).as_posix(), path, trial))
+            read.add(path.resolve())
+    _refuse_doubles(found)
     found.sort(key=lambda one: (str(one[2].about.get("started_utc") or ""), one[0]))
     return _judged(found)
+
+
+def _refuse_doubles(found: Sequence[tuple[str, Path, Trial]]) -> None:
+    """Refuse one session in two folders: it is a copy, or two people have the same code."""
+    homes: dict[tuple[str, str], Path] = {}
+    for _, path, trial in found:
+        identity, code = str(trial.about["session"]["id"]), str(trial.about["participant"])
+        home = homes.setdefault((code, identity), path.parent) if identity else path.parent
+        if home != path.parent:
+            raise ConfigurationError(
+                f"--trials is refused: {home} and {path.parent} hold the same session of participant {code}: name one "
+                "of them; two people need two codes."
+            )
 
 
 def _judged(found: Sequence[tuple[str, Path, Trial]]) -> list[Entry]:
@@ -87,9 +111,10 @@ def _judged(found: Sequence[tuple[str, Path, Trial]]) -> list[Entry]:
 def driver_of(trial: Trial) -> tuple[str, bool]:
     """Who drove, and whether that was no person: only the page can have had somebody at the claw."""
     scripted = not trial.by_person
-    name = str(trial.about.get("participant") or "without a name")
-    called = name if name.startswith("scripted") else f"scripted {name}"
-    return (called if scripted else name), scripted
+    code = str(trial.about.get("participant") or "without a name")
+    if not scripted:
+        return f"participant {code}", scripted
+    return (code if code.startswith("scripted") else f"scripted {code}"), scripted
 
 
 def unsound(trial: Trial) -> str:
@@ -100,6 +125,8 @@ def unsound(trial: Trial) -> str:
         timing = trial.about["timing"]
         share, allowed = (100.0 * float(timing[key]) for key in ("late_share", "allowed_late_share"))
         return f"late steps: {share:.3g} % of them, allowed {allowed:.3g} %"
+    if trial.deserted:
+        return f"nobody at the claw in {100.0 * trial.deserted_share:.3g} % of the steps"
     if trial.driver not in (PERSON, SCRIPTED_OPERATOR):
         return "driven by several" if trial.driver == SEVERAL else f"driven by {trial.driver}"
     if not trial.about["draw_of_seed"]:

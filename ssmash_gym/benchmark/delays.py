@@ -16,7 +16,7 @@ LONGEST_MS: Final = 1000.0  # beyond it nobody would be driving what is seen
 
 
 def delays_of(words: str, substep_s: float) -> tuple[float, ...]:
-    """Delays from the command line, in order.
+    """Delays from the command line, in order; none (0) is always among them, for what a delay costs is told beside it.
 
     Args:
         words: Milliseconds with commas between them.
@@ -39,7 +39,7 @@ def delays_of(words: str, substep_s: float) -> tuple[float, ...]:
         found.append(value)
     if not found:
         raise ConfigurationError(f"--delays {words!r} is refused: at least one; 0 is no delay.")
-    return tuple(sorted(set(found)))
+    return tuple(sorted({0.0, *found}))
 
 
 def labelled(name: str, delay_ms: float) -> str:

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Codes = NDArray[np.int64]
 PEOPLE: Final = "participant"  # kinds of drivers besides those of programs
 SCRIPTED: Final = "scripted operator"
+POOLS: Final = {PEOPLE: "all participants", SCRIPTED: "all scripted operators"}
 MEANS: Final = ("over_limit_s", "lift_offs", "claw_path_m", "reversals")  # of which a driver's figure is the mean
 COLUMNS: Final = {
     "peak_kN": "scored_peak_kN",
@@ -75,8 +76,7 @@ def driver(rows: pl.DataFrame, name: str, base: str = "") -> Driver:
         return np.stack(found) if met.len() else np.empty((len(members), 0))
 
     tables = {key: table(column) for key, column in COLUMNS.items()}
-    if tables["success"].any():  # then a time is that of a success
-        tables["time_s"] = np.where(tables["success"] > 0.0, tables["time_s"], np.nan)
+    tables["time_s"] = np.where(tables["success"] > 0.0, tables["time_s"], np.nan)  # a time is that of a success
     seeds: list[int | None] = list(range(len(members))) if len(members) > 1 else [None]
     episodes = Episodes(met.to_numpy(), seeds, tables)
     return Driver(name, str(rows["kind"][0]), float(rows["delay_ms"][0]), tuple(members), episodes, base or name)
@@ -90,7 +90,7 @@ def drivers(trials: pl.DataFrame, programs: pl.DataFrame) -> list[Driver]:
         programs: Rows of programs.
     """
     found = []
-    for kind, pooled in ((PEOPLE, "all participants"), (SCRIPTED, "all scripted operators")):
+    for kind, pooled in POOLS.items():
         own = trials.filter(pl.col("kind") == kind)
         names = own["driver"].unique(maintain_order=True).sort().to_list()
         found += [driver(own.filter(pl.col("driver") == name), name) for name in names]
@@ -121,7 +121,7 @@ def _within(one: Driver, seas: NDArray[np.int64]) -> Driver:
 def own_figures(one: Driver, options: Options) -> dict[str, Any]:
     """Figures of a driver with intervals.
 
-    A failed episode counts with the probe's ultimate load. Times are those of the successes; without any, of all.
+    A failed episode counts with the probe's ultimate load. Times are those of the successes; without any there is none.
 
     Args:
         one: The driver.

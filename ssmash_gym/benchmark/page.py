@@ -110,8 +110,8 @@ def _sections(document: Document, rows: pl.DataFrame, look: Mapping[str, Style])
     words = "Differences sea by sea, the recorded driver less the program: below zero the driver's number is lower."
     bound = [page_tables.scores_table(document)] if document["scores"] else []
     return [
-        Section("loads", "Loads", "Load, and the time it took", "Everybody in the same seas, programs without added "
-                "delay.", [_scatter(document, rows, look), _distribution(document, rows, look)]),
+        Section("loads", "Loads", "Load, and the time it took", page_words.same_seas(document),
+                [_scatter(document, rows, look), _distribution(document, rows, look)]),
         Section("pairs", "Pairs", "Driver against program, sea by sea", words, _forests(document, look), tables),
         Section("delays", "Delays", "What a matched delay costs the programs", "A program's commands act later by the "
                 "added delay, on top of the claw's own. Bands: recorded drivers with their 95 % intervals, who have "
@@ -132,10 +132,13 @@ def _shown(document: Document) -> list[str]:
 
 
 def _of(document: Document, rows: pl.DataFrame, name: str) -> pl.DataFrame:
-    """Rows of one driver; of a pool those of its members."""
+    """Rows of one driver; of a pool those of its members, in the seas that all of them have met."""
     members = document["drivers"][name]["members"]
     own = rows.filter(pl.col("driver") == name)
-    return own if own.height else rows.filter(pl.col("driver").is_in(members))
+    if own.height:
+        return own
+    own = rows.filter(pl.col("driver").is_in(members))
+    return own.filter(pl.len().over("seed") == len(members))
 
 
 def _scatter(document: Document, rows: pl.DataFrame, look: Mapping[str, Style]) -> Figure:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ssmash_gym.benchmark.figures import PEOPLE, SCRIPTED
+from ssmash_gym.benchmark.page_words import replay_words
 from ssmash_gym.evaluation.page_style import Style, sample
 from ssmash_gym.evaluation.page_tables import DASH, Cell, Column, Grid, Row, Shown
 
@@ -95,14 +96,21 @@ def scores_table(document: Mapping[str, Any]) -> Grid:
 def trials_table(trials: Sequence[Mapping[str, Any]]) -> Grid:
     """Every trial that counts or is practice: its timing, and what became of it."""
     heads = (
-        ("file", ""), ("driver", ""), ("phase", ""), ("late steps", "%"), ("latency P50", "ms"), ("P95", "ms"),
-        ("max", "ms"), ("messages", ""),
+        ("file", ""), ("driver", ""), ("phase", ""), ("attempt", ""), ("late steps", "%"),
+        ("latency P50", "ms"), ("P95", "ms"), ("max", "ms"), ("messages", ""),
     )  # fmt: skip
     rows = []
     for one in trials:
         waits = one["latency_ms"]
         numbers = [DASH if waits[key] is None else f"{waits[key]:.1f}" for key in ("p50", "p95", "max")]
-        texts = [one["driver"], one["phase"], f"{100.0 * one['late_share']:.1f}", *numbers, str(waits["messages"])]
+        texts = [
+            one["driver"],
+            one["phase"],
+            str(one["attempt"]),
+            f"{100.0 * one['late_share']:.1f}",
+            *numbers,
+            str(waits["messages"]),
+        ]
         rows.append(Row([Cell(one["place"], code=True), *map(Cell, texts)]))
     return Grid([Column(*head) for head in heads], rows)
 
@@ -126,8 +134,8 @@ def provenance(document: Mapping[str, Any], command: str) -> Grid:
         ("configuration", document["configuration"]),
         (f"seeds ({len(seeds)})", listed),
         *((f"program {name}", identity) for name, identity in document["identities"].items()),
-        ("trials", f"{sum(one['counts'] for one in document['trials'])} of {len(document['trials'])} count; each was "
-         "simulated once more and came out bit for bit as recorded"),
+        ("trials", f"{sum(one['counts'] for one in document['trials'])} of {len(document['trials'])} count; "
+         f"{replay_words(document)}"),
         ("intervals", f"{100.0 * document['level']:g} %, percentile bootstrap, {document['resamples']} resamples over "
          "seas (and, where there are several, over participants or training seeds); shares: Wilson's"),
         *([("made by", command)] if command else []),

@@ -92,12 +92,28 @@ def answer(document: Mapping[str, Any]) -> list[str]:
         told.append(
             f"{name[:1].upper()}{name[1:]}: {100.0 * success:.0f} % of {own['episodes']} episodes succeeded, peak "
             f"probe load {peak['mean']['value']:.1f} kN in the mean and {peak['p95']['value']:.1f} kN at the 95th "
-            f"percentile, median time {time_s['value']:.1f} s."
+            f"percentile, {_median(time_s['value'])}."
         )
+        told += _repeats(name, own)
         if name in headed(document):
             pairs = [one for one in document["pairs"] if one["driver"] == name]
             told += [_beside(pairs, base) for base in programs(document) if _of(pairs, base)]
     return told
+
+
+def _repeats(name: str, own: Mapping[str, Any]) -> list[str]:
+    """What must be known of seas that counted at a later attempt only."""
+    if not own["repeated"]:
+        return []
+    first = own["first_attempts_kN"]
+    rest = "no other is left" if first is None else f"without them the mean peak load is {first:.1f} kN"
+    return [
+        f"{name}: {own['repeated']} of these trials repeat a sea that was broken off or did not count before; {rest}."
+    ]
+
+
+def _median(time_s: float | None) -> str:
+    return "no time, since it never arrived" if time_s is None else f"median time {time_s:.1f} s"
 
 
 def _of(pairs: Sequence[Mapping[str, Any]], base: str) -> list[Mapping[str, Any]]:
@@ -146,6 +162,29 @@ def taught(document: Mapping[str, Any]) -> list[str]:
         for name, count in found.items()
         if count
     ]
+
+
+def same_seas(document: Mapping[str, Any]) -> str:
+    """Whether everybody has met the same seas."""
+    fewer = [name for name, one in document["drivers"].items() if one["seas"] < len(document["seeds"])]
+    if not fewer:
+        return "Everybody in the same seas, programs without added delay."
+    return (
+        f"Programs in all {len(document['seeds'])} seas, without added delay; {_listed(fewer)} in fewer (column seas), "
+        "so compare these by the differences sea by sea."
+    )
+
+
+def replay_words(document: Mapping[str, Any]) -> str:
+    """How the trials came out when they were simulated once more."""
+    told = document["replayed"]
+    if told["agree"] == told["of"]:
+        return "each was simulated once more and came out bit for bit as recorded"
+    others = told["of"] - told["agree"]
+    return (
+        f"each was simulated once more; {others} of {told['of']} were recorded with other libraries "
+        f"or on another processor and do not come out bit for bit, but with peak loads within {told['apart_kN']:.2g} kN"
+    )
 
 
 def reversal_words(document: Mapping[str, Any]) -> str:

@@ -70,7 +70,7 @@ def summarised(
         found = {}
         for k, one in enumerate(compared):
             advance(0.3 * k / len(compared), f"figures of {one.name}")
-            found[one.name] = {**_about(one), **own_figures(one, options)}
+            found[one.name] = {**_about(one), **_repeated(trials, one), **own_figures(one, options)}
         whom = _pairs(compared, asked.baseline)
         pairs = []
         for k, pair in enumerate(whom):
@@ -100,6 +100,7 @@ def summarised(
         "pairs": pairs,
         "scores": _scores(compared, asked, options),
         "learning": _learning(trials, beside),
+        "replayed": _replayed(trials),
         "trials": [_trial(one) for one in entries],
     }
 
@@ -114,6 +115,15 @@ def _about(one: Driver) -> dict[str, Any]:
         "seas": int(one.episodes.seas.size),
         "episodes": int(one.episodes.codes.size),
     }
+
+
+def _repeated(trials: pl.DataFrame, one: Driver) -> dict[str, Any]:
+    """How many of a recorded driver's seas counted at a later attempt only, and the mean peak load without them."""
+    own = trials.filter(pl.col("counts"), pl.col("driver").is_in(one.members), pl.col("seed").is_in(one.episodes.seas))
+    if not one.at_the_claw or own["attempt"].max() == 1:
+        return {"repeated": 0, "first_attempts_kN": None}
+    first = own.filter(pl.col("attempt") == 1)["scored_peak_kN"].mean()
+    return {"repeated": own.filter(pl.col("attempt") > 1).height, "first_attempts_kN": first}
 
 
 def _pairs(compared: Sequence[Driver], baseline: str) -> list[tuple[Driver, Driver]]:
@@ -160,6 +170,15 @@ def _learning(trials: pl.DataFrame, beside: pl.DataFrame) -> dict[str, list[dict
     return found
 
 
+def _replayed(trials: pl.DataFrame) -> dict[str, Any]:
+    """How many trials came out bit for bit, of how many, and how far apart the peak loads of the others are [kN]."""
+    return {
+        "agree": int(trials["agrees"].sum()),
+        "of": trials.height,
+        "apart_kN": float(trials["apart_kN"].max()),  # type: ignore[arg-type]
+    }
+
+
 def _trial(one: Entry) -> dict[str, Any]:
     """A trial as the table of trials shows it."""
     timing = one.trial.about["timing"]
@@ -169,6 +188,7 @@ def _trial(one: Entry) -> dict[str, Any]:
         "scripted": one.scripted,
         "phase": one.phase,
         "number": one.number,
+        "attempt": one.attempt,
         "seed": one.trial.seed,
         "counts": one.counts,
         "reason": one.reason,

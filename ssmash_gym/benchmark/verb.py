@@ -12,9 +12,10 @@ import polars as pl
 import tyro
 from rich.console import Console
 
-from ssmash_gym.benchmark.admission import only_configuration, read_entries
+from ssmash_gym.benchmark.admission import Entry, only_configuration, read_entries
 from ssmash_gym.benchmark.cache import KEYS
 from ssmash_gym.benchmark.delays import DELAYS, delays_of
+from ssmash_gym.benchmark.figures import POOLS
 from ssmash_gym.benchmark.page import write_page
 from ssmash_gym.benchmark.page_words import answer, scripted_words, taught
 from ssmash_gym.benchmark.run import BOUND, Program, entrants_of, program_rows, trial_rows
@@ -118,11 +119,13 @@ def run_benchmark(
         ConfigurationError: Something is refused; no report has been written.
     """
     bars = Console(stderr=True).is_terminal
+    _refuse_inside(out, trials)
     entries = read_entries(trials)
     only_configuration(entries)
     condition = next(one.trial.condition for one in entries if one.counts)
     delays_ms = delays_of(delays, condition.task.substep_s)
     entrants = entrants_of(agents, [*dict.fromkeys([*policies, baseline])], condition)
+    _refuse_namesakes(entries, entrants)
     far, why = _bound(bound, condition)
     programs = _programs(entrants, delays_ms, baseline, baseline in policies)
     programs += [Program(far, 0.0)] if far is not None and BOUND not in {one.label for one in programs} else []
@@ -132,10 +135,7 @@ def run_benchmark(
     learned = sorted(recorded["seed"].unique().to_list())
     base = next(one for one in programs if one.entrant.name == baseline and not one.delay_ms)
     beside = program_rows([base], condition, learned, out, threads=threads, shown=bars)
-    identities = {one.entrant.name: one.entrant.identity for one in programs}
-    lessons = {one.entrant.name: one.entrant.about.get("cloned_from", {}).get("seeds", []) for one in programs}
-    lessons = {name: seeds for name, seeds in lessons.items() if seeds}
-    asked = Asked(baseline, "" if far is None else far.name, why, delays_ms, identities, lessons)
+    asked = Asked(baseline, "" if far is None else far.name, why, delays_ms, _identities(programs), _lessons(programs))
     document = summarised(entries, recorded, driven, beside, condition, asked, options=options, shown=bars)
     rows = pl.concat([recorded, driven], how="diagonal_relaxed")
     counted = rows.filter(pl.col("counts").fill_null(True))
@@ -146,6 +146,41 @@ def run_benchmark(
         rows.select(*KEYS, pl.exclude(KEYS)).write_csv(temporary)
     write_text(page.with_name(BENCHMARK), json.dumps(document, indent=1) + "\n")
     return document
+
+
+def _refuse_inside(out: Path, trials: Sequence[Path]) -> None:
+    """Refuse a report among the trials: the next call would take its rows for trials."""
+    for folder in trials:
+        if out.resolve().is_relative_to(folder.resolve()):
+            raise ConfigurationError(f"--out {out} is refused: it lies in the folder of trials {folder}; take another.")
+
+
+def _refuse_namesakes(entries: Sequence[Entry], entrants: Sequence[Entrant]) -> None:
+    """Refuse a program that is called as a recorded driver is: rows are told apart by names."""
+    taken = {one.driver for one in entries} | set(POOLS.values())
+    for one in entrants:
+        if one.name in taken:
+            raise ConfigurationError(
+                f"--agent: the name {one.name!r} is a recorded driver's: give another (NAME=FOLDER)."
+            )
+
+
+def _identities(programs: Sequence[Program]) -> dict[str, str]:
+    """Hash of each program, of each training seed where it has one."""
+    seeds = {one.entrant.name: one.entrant.training_seed for one in programs}
+    several = {one.entrant.name for one in programs if one.entrant.training_seed != seeds[one.entrant.name]}
+    return {
+        one.entrant.name + (f", training seed {one.entrant.training_seed}" if one.entrant.name in several else ""):
+        one.entrant.identity for one in programs
+    }  # fmt: skip
+
+
+def _lessons(programs: Sequence[Program]) -> dict[str, list[int]]:
+    """Seeds of the recorded episodes that each program has learned from, in any of its trainings."""
+    found: dict[str, set[int]] = {}
+    for one in programs:
+        found.setdefault(one.entrant.name, set()).update(one.entrant.about.get("cloned_from", {}).get("seeds", []))
+    return {name: sorted(seeds) for name, seeds in found.items() if seeds}
 
 
 def _programs(entrants: Sequence[Entrant], delays_ms: Sequence[float], baseline: str, delayed: bool) -> list[Program]:

@@ -30,6 +30,9 @@ class Programme(Protocol):
     def about(self, assignment: Assignment) -> dict[str, Any]:
         """What the episode's record says of it."""
 
+    def begin(self, assignment: Assignment) -> None:
+        """Its first control step comes now: from here on its sea has been seen."""
+
     def keep(self, trial: Trial) -> Path:
         """Write the record of the last assignment's episode."""
 
@@ -65,6 +68,9 @@ class FreeDrive:
     def about(self, assignment: Assignment) -> dict[str, Any]:
         """Nothing but that it is a free drive."""
         return {"session": {"number": assignment.number, "of": 0, "phase": FREE, "id": ""}}
+
+    def begin(self, assignment: Assignment) -> None:
+        """Nothing: a free drive's seas may come as often as one likes."""
 
     def on(self) -> None:
         """Go on to the next sea."""

@@ -23,13 +23,13 @@ from ssmash_gym.envs.scenario import ScenarioConfig
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.conditions import Condition
 from ssmash_gym.trials.review import rival_run
-from ssmash_gym.trials.session import Assignment
+from ssmash_gym.trials.session import KEPT, Assignment, result_of
 from ssmash_gym.trials.stamps import Stamp, waited_ms
-from ssmash_gym.trials.trial import PAGE, Trial
+from ssmash_gym.trials.trial import PAGE, PRACTICE, Trial
 
 Phase = Literal["preparing", "ready", "countdown", "running", "over", "done"]
 AT_REST: Final = ("ready", "over")  # phases in which inputs may change
-ABSENT_S: Final = 3.0  # that nobody holds the claw in a session: then the trial is broken off, and its sea comes again
+ABSENT_S: Final = 3.0  # with nobody at the claw, or a silent page, in a session: then the trial is broken off
 RECENT: Final = 50  # commands over which the shown latency is taken
 Tell = Callable[[dict[str, Any]], None]
 
@@ -162,6 +162,7 @@ class Show:
         while self._assignment is not None:
             ready = await self._prepare(self._assignment)
             if ready and await self._wished("start", "next", "again") == "start" and await self._count_down():
+                self.programme.begin(self._assignment)
                 try:
                     await self._drive()
                 finally:
@@ -239,7 +240,7 @@ class Show:
             now, due = time.perf_counter(), pace.due_s
             fresh = self.newest.read(now, self.interval_s)
             late = pace.take(now)
-            absent_s = absent_s + self.interval_s if self.session and self.roles.driver is None else 0.0
+            absent_s = absent_s + self.interval_s if self.session and fresh is None else 0.0
             by_policy = self.roles.by == "policy" and action is not None
             stamp = self._stamp(None if by_policy else fresh, by_policy, due - begun, now - begun, begun, late)
             command = STANDING if fresh is None else (fresh.along, fresh.across)
@@ -274,14 +275,24 @@ class Show:
         self.kept, self._review = (trial, path), None
         timing = trial.about["timing"]
         words = score_words(self._desk.condition.task, self._desk.ending)
-        if not timing["valid"]:
-            share = 100.0 * timing["late_share"]
-            words.append(f"{share:.1f} % of the control steps came late: the trial does not count.")
+        spoilt = self._spoilt(trial)
+        words += [f"{spoilt}: the trial does not count."] if spoilt else []
         self._send(
-            "result", metrics=trial.about["metrics"], words=words, valid=timing["valid"], file=path.name,
+            "result", metrics=trial.about["metrics"], words=words, valid=not spoilt, file=path.name,
             latency_ms=timing["latency_ms"], late_share=timing["late_share"],
+            beside=self._word is not None and self._revealing(trial),
         )  # fmt: skip
         self._enter("over")
+
+    def _spoilt(self, trial: Trial) -> str:
+        """Why a trial does not count, however it went; empty where it does."""
+        if not trial.valid:
+            return f"{100.0 * trial.about['timing']['late_share']:.1f} % of the control steps came late"
+        if self.session and trial.deserted:
+            return (
+                f"nobody was at the claw, or its page was silent, in {100.0 * trial.deserted_share:.0f} % of the steps"
+            )
+        return ""
 
     # --- messages -----------------------------------------------------------------------------------------------
 
@@ -307,18 +318,27 @@ class Show:
     async def review(self) -> dict[str, Any]:
         """The last episode beside the policy's own in the same sea; made when it is first asked for.
 
+        In a session the policy's is left out while that could teach something of a sea that is yet to be driven: of
+        scored trials until the session is done, and of trials whose sea comes again.
+
         Raises:
             ConfigurationError: No episode has been driven.
         """
         if self.kept is None:
             raise ConfigurationError("there is nothing to review: no episode has been driven.")
         if self._review is None:
-            self._review = await asyncio.to_thread(self._runs, *self.kept)
+            self._review = await asyncio.to_thread(self._runs, *self.kept, self._revealing(self.kept[0]))
         return self._review
 
-    def _runs(self, trial: Trial, path: Path) -> dict[str, Any]:
+    def _revealing(self, trial: Trial) -> bool:
+        """Whether a policy's run in the same sea may be shown."""
+        if not self.session or self.programme.next() is None:
+            return True
+        return trial.phase == PRACTICE and result_of(trial) == KEPT
+
+    def _runs(self, trial: Trial, path: Path, revealing: bool) -> dict[str, Any]:
         runs = [run_of_trial(trial, path.stem)]
-        if self._word is not None:
+        if self._word is not None and revealing:
             runs.append(run_of_trial(rival_run(trial.condition, trial.seed, self._word), f"{self.policy}"))
         return {"type": "review", "runs": runs}
 

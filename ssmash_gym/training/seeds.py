@@ -16,6 +16,7 @@ TUNING: Final = 3  # searches of gains and settings, choice between trained agen
 EVOLUTION: Final = 4  # seas in which evolving policies are compared
 WINDOWS: Final = 5  # seas of operating windows: a policy that was chosen by an evaluation meets new ones
 TRIALS: Final = 6  # seas of trials with a person, or a program in a person's place, at the claw
+DEMONSTRATIONS: Final = 7  # episodes of policies that are exported to learn from: no evaluation meets their seas
 
 
 def block(seed: int, purpose: int, count: int) -> list[int]:
@@ -23,7 +24,8 @@ def block(seed: int, purpose: int, count: int) -> list[int]:
 
     Args:
         seed: The user's number.
-        purpose: `TRAINING`, `EVALUATION`, `TUNING`, `EVOLUTION`, `WINDOWS` or `TRIALS`.
+        purpose: `TRAINING`, `EVALUATION`, `TUNING`, `EVOLUTION`, `WINDOWS`, `TRIALS` or
+            `DEMONSTRATIONS`.
         count: How many.
     """
     numbers = np.random.SeedSequence(seed, spawn_key=(purpose,)).generate_state(2 * count, np.uint32)

@@ -29,7 +29,7 @@ from ssmash_gym.evaluation.conditions import Condition, written
 from ssmash_gym.evaluation.policies import is_scripted
 from ssmash_gym.progress import progress_bar
 from ssmash_gym.registration import TRAVERSE_ID
-from ssmash_gym.training.seeds import EVALUATION, block
+from ssmash_gym.training.seeds import DEMONSTRATIONS, block
 from ssmash_gym.trials.demonstrations import SENSORS, Demonstration, demonstration, demonstrations, perceived
 from ssmash_gym.trials.scripted import OPERATOR, SCRIPTED_OPERATOR, policy_for, scripted_trial
 from ssmash_gym.trials.verbs import listed_paths
@@ -94,7 +94,9 @@ def export(
         condition, _, made = demonstrations(listed_paths(files), lambda task: perceived(task, seen))
     else:
         name = str(agent or policy)
-        condition, made = of_policy(name, agent is not None, scenario or "ss5", block(seed, EVALUATION, episodes), seen)
+        condition, made = of_policy(
+            name, agent is not None, scenario or "ss5", block(seed, DEMONSTRATIONS, episodes), seen
+        )
     write_dataset(to, place, made, condition, perceived(condition.task, seen))
     told = ", ".join(sorted({one.author for one in made}))
     steps = sum(len(one.rewards) for one in made)
@@ -128,7 +130,7 @@ def dataset_folder(name: str, folder: Path | None) -> Path:
         folder: That holds all datasets; None: Minari's own.
     """
     root = folder if folder is not None else os.environ.get(ROOT) or Path.home() / ".minari" / "datasets"
-    return Path(root) / name
+    return Path(root).resolve() / name
 
 
 def of_policy(

@@ -28,12 +28,15 @@ class Replay:
         where: What differs first, with the step; empty where all agrees.
         metrics: Of the episode, as they are now; None where it does not come to its end.
         code: What has changed since it was recorded: sources, or libraries and processor; empty where nothing has.
+        elsewhere: Whether the sources are the same, but libraries or processor are not: then the last bits, which
+            are promised for one machine only, may differ, and nothing else.
     """
 
     agrees: bool
     where: str
     metrics: dict[str, Any] | None
     code: str = ""
+    elsewhere: bool = False
 
     @property
     def words(self) -> str:
@@ -76,7 +79,9 @@ def replay(trial: Trial, note: Note | None = None, batch: TraverseBatch | None =
     batch = batch_of(trial) if batch is None else batch
     code = changed(trial)
     draw = batch.draws[0]
-    where = "" if draw is not None and _same(draw.to_dict(), trial.about["draw"]) else "the seed draws another episode"
+    where = _other_configuration(trial)
+    if not where and (draw is None or not _same(draw.to_dict(), trial.about["draw"])):
+        where = "the seed draws another episode"
     recorded = {name: trial.table[name].to_numpy() for name in SIMULATED}
     saturation = trial.table["saturation"].to_list()
     metrics: dict[str, Any] | None = None
@@ -93,7 +98,7 @@ def replay(trial: Trial, note: Note | None = None, batch: TraverseBatch | None =
             metrics = dict(result.endings[0]["episode_metrics"])
     if trial.complete:
         where = where or _other_metrics(metrics, trial.metrics)
-    return Replay(not where, where, metrics, code)
+    return Replay(not where, where, metrics, code, trial.about["sources"] == sources() and bool(code))
 
 
 def changed(trial: Trial) -> str:
@@ -103,6 +108,12 @@ def changed(trial: Trial) -> str:
     if trial.about["code"] != fingerprint():
         return "it was recorded with other versions of libraries or on another processor"
     return ""
+
+
+def _other_configuration(trial: Trial) -> str:
+    """Whether the configuration's hash in the record is another one than that of the condition beside it."""
+    told, own = trial.about["configuration"], trial.condition.configuration
+    return "" if told == own else f"its configuration is called {told}, but what was simulated is {own}"
 
 
 def _difference(batch: TraverseBatch, result: StepResult, recorded: dict[str, Any], command: Any, k: int) -> str:

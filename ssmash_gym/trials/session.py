@@ -23,7 +23,7 @@ from ssmash_gym.trials.trial import PRACTICE, SCORED, Trial
 PARTICIPANT: Final = "participant.yaml"
 LOCK: Final = ".lock"
 KEPT: Final = "kept"
-INVALID: Final = "invalid"  # too many late steps
+INVALID: Final = "invalid"  # too many late steps, or nobody at the claw
 INCOMPLETE: Final = "incomplete"  # broken off
 UNKNOWN: Final = "unknown"  # experience that nobody has stated
 _CODE: Final = re.compile(r"[A-Za-z0-9_-]{1,32}")
@@ -33,9 +33,9 @@ _HEAD: Final = (
 
 
 class Entry(Section):
-    """One trial in a participant's file."""
+    """One trial in a participant's file; without a file it was killed in the middle."""
 
-    file: str = Field(pattern=r"^[A-Za-z0-9_]+\.parquet$")
+    file: str | None = Field(None, pattern=r"^[A-Za-z0-9_]+\.parquet$")
     phase: Literal["practice", "scored"]
     number: int
     seed: int
@@ -50,6 +50,7 @@ class Participant(Section):
     protocol: str
     scored_order: list[int]
     trials: list[Entry]
+    under_way: Entry | None = None
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ class Session:
         self._order = protocol.order(participant)
         self._lock = lock
         self._books: list[Entry] = []
+        self._under_way: Entry | None = None
         self._practised: list[dict[str, Any]] = []  # metrics of the practice trials that were kept
 
     @classmethod
@@ -184,6 +186,17 @@ class Session:
 
     # --- what has been driven ----------------------------------------------------------------------------------
 
+    def begin(self, assignment: Assignment) -> None:
+        """Book that a trial is about to be driven: whatever ends it, its sea has then been seen.
+
+        Args:
+            assignment: The present `next`.
+        """
+        self._under_way = Entry(
+            file=None, phase=assignment.phase, number=assignment.number, seed=assignment.seed, result=INCOMPLETE
+        )
+        self._write()
+
     def keep(self, trial: Trial) -> Path:
         """Write a trial's file and book it.
 
@@ -226,6 +239,7 @@ class Session:
         number = int(trial.about["session"]["number"])
         entry = {"file": path.name, "phase": trial.phase, "number": number, "seed": trial.seed, "result": result}
         self._books.append(Entry.model_validate(entry))
+        self._under_way = None
         if result == KEPT and trial.phase == PRACTICE and trial.metrics is not None:
             self._practised.append(trial.metrics)
 
@@ -246,13 +260,20 @@ class Session:
             protocol=self.protocol.identity,
             scored_order=self._order,
             trials=self._books,
+            under_way=self._under_way,
         )
 
     def _write(self) -> None:
-        write_text(self.folder / PARTICIPANT, _HEAD + write_yaml(self.record.model_dump(mode="json")))
+        write_text(
+            self.folder / PARTICIPANT, _HEAD + write_yaml(self.record.model_dump(mode="json", exclude_none=True))
+        )
 
     def _resume(self, experience: str | None) -> None:
-        """Take up what the folder holds; a trial that was written but not booked (a kill in between) is booked."""
+        """Take up what the folder holds.
+
+        A trial that was written but not booked (a kill in between) is booked, and so is one that was begun but never
+        written (a kill in the middle).
+        """
         path = self.folder / PARTICIPANT
         found = validated(Participant, read_file(path), str(path)) if path.is_file() else None
         if found is None and list(self.folder.glob("*.parquet")):
@@ -265,11 +286,15 @@ class Session:
                 )
             self.experience = found.experience
             for entry in found.trials:
-                self._book(self.folder / entry.file, self._read(entry), entry.result)
+                self._rebook(entry)
+            self._under_way = found.under_way
         waiting = self._waiting()
         if waiting is not None:
             self._book(*waiting)
-        if found is None or waiting is not None:
+        elif self._under_way is not None:
+            self._books.append(self._under_way)
+            self._under_way = None
+        if found is None or self.record != found:
             self._write()
 
     def _check(self, path: Path, found: Participant) -> None:
@@ -283,13 +308,20 @@ class Session:
             if getattr(found, key) != getattr(self.record, key):
                 raise ConfigurationError(f"{path}: {key} is not what the protocol gives: the file has been changed.")
 
-    def _read(self, entry: Entry) -> Trial:
+    def _rebook(self, entry: Entry) -> None:
+        """Take up an entry of the participant's file."""
+        if entry.file is None:
+            self._books.append(entry)
+        else:
+            path = self.folder / entry.file
+            self._book(path, self._read(path, entry), entry.result)
+
+    def _read(self, path: Path, entry: Entry) -> Trial:
         """The trial of an entry.
 
         Raises:
             ConfigurationError: Its file is missing or damaged, or another one.
         """
-        path = self.folder / entry.file
         trial = read_trial(path)
         told = trial.seed, trial.phase, trial.about["session"]["number"], trial.about["session"]["id"], result_of(trial)
         if told != (entry.seed, entry.phase, entry.number, self.identity, entry.result):
@@ -308,10 +340,10 @@ class Session:
 
 
 def result_of(trial: Trial) -> str:
-    """``kept``; ``incomplete`` if it was broken off; ``invalid`` if too many of its steps were late."""
+    """``kept``; ``incomplete`` if it was broken off; ``invalid`` if too many of its steps were late or nobody's."""
     if not trial.complete:
         return INCOMPLETE
-    return KEPT if trial.valid else INVALID
+    return KEPT if trial.valid and not trial.deserted else INVALID
 
 
 def check_code(what: str, code: str) -> None:

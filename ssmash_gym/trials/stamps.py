@@ -53,20 +53,29 @@ def timing_of(stamps: Sequence[Stamp], interval_s: float, allowed_late_share: fl
         allowed_late_share: Share of late steps up to which the trial is valid.
 
     Returns:
-        ``interval_s``, ``steps``, ``late_steps``, ``late_share``, ``allowed_late_share``, ``valid``, and
+        ``interval_s``, ``steps``, ``lost_steps`` (control intervals that fell into stalls), ``late_steps`` (with the
+        lost ones), ``late_share`` (of all that were due), ``allowed_late_share``, ``valid``, and
         ``latency_ms`` with ``p50``, ``p95``, ``max`` (None without messages) and ``messages``.
     """
-    late = sum(stamp.late for stamp in stamps)
-    share = late / max(len(stamps), 1)
+    lost = _lost_steps(stamps, interval_s)
+    late = sum(stamp.late for stamp in stamps) + lost
+    share = late / max(len(stamps) + lost, 1)
     return {
         "interval_s": interval_s,
         "steps": len(stamps),
         "late_steps": late,
+        "lost_steps": lost,
         "late_share": share,
         "allowed_late_share": allowed_late_share,
         "valid": share <= allowed_late_share,
         "latency_ms": _latency(stamps),
     }
+
+
+def _lost_steps(stamps: Sequence[Stamp], interval_s: float) -> int:
+    """Control intervals by which time has slipped: after a stall the plan goes on later than it would have."""
+    gaps = [after.planned_s - before.planned_s for before, after in itertools.pairwise(stamps)]
+    return sum(int(gap / interval_s - 1.0 + 1e-6) for gap in gaps if gap > interval_s)
 
 
 def waited_ms(stamp: Stamp, before: Stamp | None) -> float | None:

@@ -31,6 +31,7 @@ SCORED: Final = "scored"
 FREE: Final = "free"
 SEVERAL: Final = "several"
 PAGE: Final = "page"  # origin: the claw could be held by a person at the page
+MOST_DESERTED: Final = 0.05  # of the steps; assumed
 SCRIPT: Final = "script"  # origin: virtual time, nobody at the claw
 
 # Telemetry channels at the end of the interval, in their SI units, and the largest values within it.
@@ -146,14 +147,24 @@ class Trial:
         return bool(self.about["timing"]["valid"])
 
     @property
+    def deserted(self) -> bool:
+        """Whether nobody held the claw for more than `MOST_DESERTED` of the steps: such a trial tells little."""
+        return self.deserted_share > MOST_DESERTED
+
+    @property
+    def deserted_share(self) -> float:
+        """Share of the steps with nobody at the claw, or with a page that had fallen silent."""
+        return float((self.table["driver"] == NOBODY).mean() or 0.0)  # type: ignore[arg-type]
+
+    @property
     def phase(self) -> str:
         """``practice``, ``scored`` or ``free``."""
         return str(self.about["session"]["phase"])
 
     @property
     def scored(self) -> bool:
-        """Whether it counts: a scored trial of a session, complete and valid."""
-        return self.phase == SCORED and self.complete and self.valid
+        """Whether it counts: a scored trial of a session, complete and valid, with somebody at the claw."""
+        return self.phase == SCORED and self.complete and self.valid and not self.deserted
 
     @property
     def metrics(self) -> dict[str, Any] | None:

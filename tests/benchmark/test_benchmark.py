@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,9 @@ import pytest
 
 from ssmash_gym.benchmark import run, verb
 from ssmash_gym.benchmark.admission import only_configuration, read_entries
-from ssmash_gym.benchmark.page import write_page
-from ssmash_gym.benchmark.page_words import taught
+from ssmash_gym.benchmark.page import _of, write_page
+from ssmash_gym.benchmark.page_words import answer, same_seas, taught
+from ssmash_gym.benchmark.run import Program, entrants_of
 from ssmash_gym.errors import ConfigurationError
 from ssmash_gym.evaluation.episodes import run_episodes
 from ssmash_gym.evaluation.policies import make_baseline
@@ -189,7 +191,27 @@ def test_trials_that_do_not_count_are_listed_with_the_reason(tmp_path: Path) -> 
         "7_person": "",
     }
     entries = {one.place.partition(".")[0]: one for one in read_entries([tmp_path])}
-    assert (entries["1_good"].driver, entries["7_person"].driver) == ("scripted P01", "P01")
+    assert (entries["1_good"].driver, entries["7_person"].driver) == ("scripted P01", "participant P01")
+
+
+def test_a_trial_with_nobody_at_the_claw_does_not_count(tmp_path: Path) -> None:
+    condition = short(horizon_s=4.0)
+    for name, left in (("most", 2), ("some", 3)):  # of 40 steps: 5.0 % and 7.5 %
+        trial = drive(condition, 11, driver="person", origin="page", participant=name, session=session(1))
+        away = trial.table.with_columns(
+            driver=pl.when(pl.col("step") <= left).then(pl.lit("none")).otherwise(pl.col("driver"))
+        )
+        write_trial(tmp_path / f"{name}.parquet", Trial(away, trial.about))
+    assert reasons(tmp_path) == {"most.parquet": "", "some.parquet": "nobody at the claw in 7.5 % of the steps"}
+
+
+def test_one_session_in_two_folders_is_refused_and_a_folder_named_twice_is_read_once(tmp_path: Path) -> None:
+    trial = drive(short(horizon_s=1.0), 11, participant="P01", session=session(1))
+    write_trial(tmp_path / "a" / "P01" / "1.parquet", trial)
+    assert len(read_entries([tmp_path, tmp_path / "a", tmp_path / "a" / "P01"])) == 1
+    write_trial(tmp_path / "b" / "P01" / "1.parquet", trial)
+    with pytest.raises(ConfigurationError, match=r"a/P01 and .*b/P01 hold the same session of participant P01"):
+        read_entries([tmp_path / "a", tmp_path / "b"])
 
 
 def test_several_configurations_are_refused(tmp_path: Path) -> None:
@@ -211,6 +233,91 @@ def test_a_trial_that_does_not_replay_is_refused_before_anything_is_written(tria
     with pytest.raises(ConfigurationError, match=r"1.parquet: this trial is refused.*does not agree: step 7"):
         made(tmp_path / "trials", out)
     assert not out.exists()
+
+
+def test_on_another_processor_nearly_the_same_is_enough(trials: Path) -> None:
+    """Last bits are promised for one machine; there the same difference is a fault."""
+    trial = read_trial(trials / "P01" / "1.parquet")
+    other = trial.table.with_columns(state_digest=pl.col("state_digest") ^ 1)
+    row = run.retold(Trial(other, {**trial.about, "code": "another processor"}), "1.parquet")
+    assert row["agrees"].to_list() == [False] and row["apart_kN"].to_list() == [0.0]
+    for changed in (
+        {},  # the same machine
+        {"code": "another processor", "sources": "others"},
+        {"code": "another processor", "metrics": {**(trial.metrics or {}), "reason": "goal"}},
+        {"code": "another processor", "metrics": {**(trial.metrics or {}), "peak_probe_kN": 99.0}},
+    ):
+        with pytest.raises(ConfigurationError, match="this trial is refused"):
+            run.retold(Trial(other, {**trial.about, **changed}), "1.parquet")
+
+
+def test_a_record_whose_configuration_is_another_one_is_refused(trials: Path) -> None:
+    trial = read_trial(trials / "P01" / "1.parquet")
+    with pytest.raises(ConfigurationError, match="its configuration is called 0123, but what was simulated is"):
+        run.retold(Trial(trial.table, {**trial.about, "configuration": "0123"}), "1.parquet")
+
+
+def test_a_sea_that_was_repeated_is_told(trials: Path, tmp_path: Path) -> None:
+    for k in range(4):
+        trial = read_trial(trials / "P01" / f"{k}.parquet")
+        about = {**trial.about, "session": {**trial.about["session"], "attempt": 2 if k == 3 else 1}}
+        write_trial(tmp_path / "trials" / "P01" / f"{k}.parquet", Trial(trial.table, about))
+    found = made(tmp_path / "trials", tmp_path / "out")
+    own = found["drivers"]["scripted P01"]
+    first = [one["scored_peak_kN"] for one in found["learning"]["scripted P01"][1:3]]
+    assert own["repeated"] == 1 and own["first_attempts_kN"] == pytest.approx(sum(first) / 2)
+    assert any("1 of these trials repeat a sea" in words for words in answer(found))
+
+
+def test_a_pool_is_drawn_in_the_seas_that_all_have_met(tmp_path: Path) -> None:
+    write_session(tmp_path / "trials", "P01", short(), "trapezoid")
+    write_session(tmp_path / "trials", "P02", short(), seeds=SEEDS[:2])
+    found = made(tmp_path / "trials", tmp_path / "out")
+    assert [found["drivers"][f"{name}"]["seas"] for name in ("scripted P01", "scripted P02")] == [3, 2]
+    assert "scripted P02 and all scripted operators in fewer" in same_seas(found)
+    rows = pl.read_parquet(tmp_path / "out" / "rows.parquet").filter(pl.col("counts").fill_null(True))
+    shared = _of(found, rows, "all scripted operators")
+    assert shared.height == 4 and set(shared["seed"]) == set(sorted(SEEDS[:2]))
+
+
+def test_a_report_among_the_trials_is_refused(trials: Path) -> None:
+    with pytest.raises(ConfigurationError, match=r"--out .* is refused: it lies in the folder of trials"):
+        made(trials, trials / "out")
+    assert not (trials / "out").exists()
+
+
+def test_a_program_called_as_a_recorded_driver_is_refused(trials: Path) -> None:
+    entries = read_entries([trials])
+    condition = entries[0].trial.condition
+    linear = entrants_of([], ["linear"], condition)[0]
+    verb._refuse_namesakes(entries, [linear])
+    for name in ("scripted P01", "all participants"):
+        with pytest.raises(ConfigurationError, match=f"the name '{name}' is a recorded driver's"):
+            verb._refuse_namesakes(entries, [replace(linear, name=name)])
+
+
+@pytest.mark.parametrize("code", ["linear", "trapezoid", "clairvoyant", "all"])
+def test_a_participant_may_be_called_as_a_policy_is(code: str, tmp_path: Path) -> None:
+    trial = drive(short(1.0), 11, driver="person", origin="page", participant=code, session=session(1))
+    write_trial(tmp_path / "1.parquet", trial)
+    assert [one.driver for one in read_entries([tmp_path])] == [f"participant {code}"]
+
+
+def test_what_several_trainings_have_learned_from_is_told_together(trials: Path) -> None:
+    condition = read_entries([trials])[0].trial.condition
+    one = entrants_of([], ["linear"], condition)[0]
+    several = [
+        Program(replace(one, training_seed=seed, identity=f"hash {seed}", about={"cloned_from": {"seeds": seeds}}), 0.0)
+        for seed, seeds in ((0, [1, 2]), (1, [2, 3]))
+    ]
+    assert verb._lessons(several) == {"linear": [1, 2, 3]}
+    assert verb._identities(several) == {"linear, training seed 0": "hash 0", "linear, training seed 1": "hash 1"}
+
+
+def test_who_never_arrives_has_no_time(document: dict[str, Any]) -> None:
+    """A time limit is no time to the goal: all of these episodes end by it."""
+    assert all(one["time_s"]["value"] is None for one in document["drivers"].values())
+    assert all("no time, since it never arrived" in words for words in answer(document) if "succeeded" in words)
 
 
 def test_other_refusals(trials: Path, tmp_path: Path) -> None:

@@ -174,3 +174,4 @@ def test_time_slips_where_a_whole_interval_was_lost() -> None:
     pace = Pace(0.1, 0.02, 10.0)
     assert pace.take(10.35)
     assert pace.due_s == pytest.approx(10.45), "the steps that were missed are not driven all at once"
+    assert (pace.steps, pace.late) == (4, 4), "three intervals were lost: whoever had to wait had time to think"

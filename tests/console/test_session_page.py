@@ -28,6 +28,47 @@ PROTOCOL = {
 }
 
 
+def test_a_page_that_falls_silent_breaks_the_trial_off(tmp_path: Path) -> None:
+    """A hidden tab renews nothing: with nobody at the claw the rest would be nobody's driving."""
+    protocol = load_protocol({**PROTOCOL, "task": {**PROTOCOL["task"], "horizon_s": 20.0}})
+
+    async def go(session: Session) -> None:
+        async with Console(session, QUICK).serving(Place()) as port, page(port) as driver:
+            await driver.begin()
+            await driver.drive(0.5, 0.0, 0.5)
+            assert not (await driver.until("result"))["metrics"]
+
+    with Session.open(protocol, "P02", tmp_path) as session:
+        asyncio.run(go(session))
+        again = session.next()
+        assert again is not None and again.attempt == 2
+    trial = read_trial(tmp_path / "P02" / "001_practice_01_incomplete.parquet")
+    assert trial.table["driver"].to_list()[-1] == "none" and trial.steps < 120
+
+
+def test_a_rival_shows_nothing_of_seas_that_are_yet_to_be_driven(tmp_path: Path) -> None:
+    protocol = load_protocol(PROTOCOL)
+
+    async def go(session: Session) -> list[tuple[bool, int]]:
+        seen = []
+        async with Console(session, QUICK, policy="trapezoid").serving(Place()) as port, page(port) as driver:
+            for k in range(5):
+                driver.told.clear()
+                await driver.begin()
+                await driver.drive(0.5, 0.0, 0.3 if k == 0 else 10.0)
+                if k == 0:
+                    await driver.say("abort")
+                told = await driver.until("result")
+                await driver.say("review")
+                seen.append((told["beside"], len((await driver.until("review"))["runs"])))
+                await driver.say("next")
+        return seen
+
+    with Session.open(protocol, "P03", tmp_path) as session:  # broken off, practice twice, scored, the last one
+        seen = asyncio.run(go(session))
+    assert seen == [(False, 1), (True, 2), (True, 2), (False, 1), (True, 2)]
+
+
 def test_a_session_goes_on_where_a_driver_has_left(tmp_path: Path) -> None:
     protocol = load_protocol(PROTOCOL)
     order = protocol.order("P01")

@@ -54,6 +54,12 @@ def test_what_is_read_back_is_the_episode_bit_for_bit(trials: Path, root: Path) 
         assert episode.observations.tobytes() == made.observations.tobytes()
 
 
+def test_a_relative_folder_is_one(trials: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exporting.export((trials,), to="ssmash/p01-v0", folder=Path("sets"))
+    assert exporting.read_dataset("ssmash/p01-v0", Path("sets")).total_episodes == len(SEEDS)
+
+
 def test_observations_are_those_that_a_policy_would_have_had(trials: Path) -> None:
     trial = read_trial(trials / "0.parquet")
     for observation in ("sensors", ("yaw", "to_go")):

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import polars as pl
 import pytest
 import yaml
 
@@ -95,6 +96,47 @@ def test_the_plateau() -> None:
     assert protocol.practised(trials(60.0, 45.0, 45.0, 46.0, 47.0, 51.0))
     assert not protocol.practised(trials(60.0, 45.0, 45.0, 45.0, 45.0, 53.0))  # mean 46.6: up to 51.26 s
     assert protocol.practised(trials(*range(20, 60, 2)))  # `most` is reached
+
+
+def test_a_trial_that_was_killed_in_the_middle_leaves_a_trace(
+    protocol: TrialProtocol, batch: Any, tmp_path: Path
+) -> None:
+    """Else a sea could be looked at as often as one likes."""
+    with Session.open(protocol, "p03", tmp_path) as session:
+        first = session.next()
+        assert first is not None
+        session.begin(first)
+        trial = driven(session, batch)
+    for attempt in (2, 2):  # that it was opened again is no attempt
+        with Session.open(protocol, "p03", tmp_path) as session:
+            again = session.next()
+            assert again is not None and (again.seed, again.attempt) == (first.seed, attempt)
+            with pytest.raises(ConfigurationError, match="its session is"):
+                session.keep(trial)  # it is that of the first attempt
+    with Session.open(protocol, "p03", tmp_path) as session:
+        session.begin(again)
+        session.keep(driven(session, batch))
+    document = yaml.safe_load((tmp_path / "p03" / PARTICIPANT).read_text())
+    assert [(entry.get("file"), entry["result"]) for entry in document["trials"]] == [
+        (None, "incomplete"), ("002_practice_01.parquet", "kept"),
+    ]  # fmt: skip
+    assert "under_way" not in document
+
+
+@pytest.mark.parametrize("code", ["1e5", "007", "null", "2026-01-01", "0x10", "on", "-"])
+def test_a_code_that_looks_like_something_else_stays_a_code(protocol: TrialProtocol, code: str, tmp_path: Path) -> None:
+    for _ in range(2):
+        with Session.open(protocol, code, tmp_path, experience=code) as session:
+            assert session.record.participant == session.record.experience == code
+
+
+def test_a_trial_with_nobody_at_the_claw_comes_again(protocol: TrialProtocol, batch: Any, tmp_path: Path) -> None:
+    with Session.open(protocol, "p04", tmp_path) as session:
+        trial = driven(session, batch)
+        away = trial.table.with_columns(driver=pl.when(pl.col("step") == 5).then(pl.lit("none")).otherwise("driver"))
+        assert session.keep(Trial(away, trial.about)).name == "001_practice_01_invalid.parquet"
+        again = session.next()
+        assert again is not None and again.attempt == 2
 
 
 def test_invalid_and_broken_off_trials_come_again(protocol: TrialProtocol, batch: Any, tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ export class Outcome {
 
   #waiting(waiting) {
     byId("review").disabled = waiting;
-    const agent = this.roles.policy !== null;
+    const agent = this.result?.beside;
     const [ask, wait] = agent ? ["Watch beside the agent", "The agent drives the same sea\u2026"] : ["Watch it again", "In a moment\u2026"];
     write(byId("review"), waiting ? wait : ask);
   }
